@@ -1,0 +1,46 @@
+# One verb a command. A newcomer needs two: `make demo` and `make test`.
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: help demo test check check-all lint types layers format clean
+.DEFAULT_GOAL := help
+
+help: ## list the verbs
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade -c constraints.txt pip
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e . --group dev
+	@touch $(READY)
+
+demo: $(READY) ## set up, then go from a generated atrium to the report in demo/
+	$(BIN)/auricle atrium -o demo/atrium.vtp --seed 1
+	$(BIN)/auricle analyze demo/atrium.vtp -o demo/report
+	@echo "Open demo/report/report.html"
+
+test: $(READY) ## set up, then run the tests
+	$(BIN)/python -m pytest
+
+check: lint types layers test ## everything CI runs
+
+check-all: lint types layers ## the same with the slow tests
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+lint: $(READY) ## style, by ruff
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: $(READY) ## mypy --strict
+	$(BIN)/mypy
+
+layers: $(READY) ## the import contract
+	$(BIN)/lint-imports
+
+format: $(READY) ## let ruff lay out the code
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+clean: ## remove what the verbs made
+	rm -rf .venv demo build dist

@@ -1,0 +1,214 @@
+"""The page: one HTML file that tells a case to a cardiologist, complete in itself."""
+
+import base64
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+
+from auricle.report.answer import answer_sentence, focal_advice, measured_advice
+from auricle.report.tables import (
+    DENSITY,
+    HARMONICS,
+    LEAST,
+    NYQUIST,
+    PLANNED,
+    SPACING,
+    UNPLANNED,
+    WAVELENGTH,
+    Table,
+    geometry_table,
+    measured_error_table,
+    points_table,
+    quantity_table,
+    signals_table,
+    surface_table,
+)
+from auricle.report.wording import counted, number, percent, printable
+from auricle.sampling.criteria import POINTS_PER_HARMONIC
+from auricle.spectral.weyl import trusted_modes
+from auricle.study.result import CaseResult
+
+_MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What is written with a figure: above it, below it, and for those who cannot see it."""
+
+    title: str
+    text: str
+    alternative: str
+
+
+CAPTIONS: Mapping[str, Caption] = MappingProxyType(
+    {
+        "fields.png": Caption(
+            "The maps on the surface",
+            "Each map as it was analysed, from the front and from the back. Grey: not sampled.",
+            "The surface from the front and the back, coloured by each map's values.",
+        ),
+        "foci.png": Caption(
+            "Simulated focal sources",
+            "Bell-shaped foci of known width σ: for each width and number the map that was "
+            "analysed.",
+            "Small pictures of the surface, each with one to several coloured spots.",
+        ),
+        "cumulative_power.svg": Caption(
+            "How much of a map the first harmonics hold",
+            "Where a curve crosses a line of 85, 90, 95 or 99 %, read the number of harmonics "
+            "below and the error that remains on the right.",
+            "Curves of the share of power, rising with the number of harmonics, one a map.",
+        ),
+        "spectrum.svg": Caption(
+            "How fine the maps are",
+            "Power of each harmonic; the further right, the finer the detail (wavelength above). "
+            "A smooth map falls off early, one with jumps falls slowly.",
+            "Curves of power, falling with the number of harmonics, one a map.",
+        ),
+        "field_error.svg": Caption(
+            "Error of the rebuilt maps",
+            "Measured on the real surface where the map was sampled, relative to the map's "
+            "standard deviation.",
+            "Curves of the error of each map, falling with the number of harmonics.",
+        ),
+        "surface_reconstruction.png": Caption(
+            "The surface rebuilt from few harmonics",
+            "Coloured by the distance to the analysed surface, mm.",
+            "The surface rebuilt from rising numbers of harmonics beside the original.",
+        ),
+        "geometry_error.svg": Caption(
+            "Distance of the rebuilt surface",
+            "How far the surface rebuilt from k harmonics lies from the analysed one, mm.",
+            "Curves of four distances in mm, falling with the number of harmonics.",
+        ),
+    }
+)
+"""Captions of the figures, in the order of the page."""
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """A figure with its caption, its content as a data URI."""
+
+    caption: Caption
+    uri: str
+
+
+def report_page(result: CaseResult, figures: Mapping[str, bytes]) -> str:
+    """The report as one HTML page: styles and figures inside, no script, no network.
+
+    Names from the file are escaped. The same result and figures give the same text.
+
+    Parameters
+    ----------
+    result
+        The case.
+    figures
+        Content of the figures by file name (`.svg`, `.png`), as `figure_files` has them; those
+        that are missing are left out, those without an entry in `CAPTIONS` come last.
+    """
+    maps, foci = measured_advice(result), focal_advice(result)
+    return _template().render(
+        result=result,
+        source_name=printable(result.source.name),
+        answer=answer_sentence(result),
+        cards=(*maps, *foci),
+        points=points_table(result),
+        remarks=[printable(remark) for remark in result.remarks],
+        repairs=[printable(str(repair)) for repair in result.repairs],
+        figures=_figures(figures),
+        tables=_number_tables(result),
+        surface=surface_table(result),
+        certificate=_certificate_words(result),
+        parameters=_parameters_table(result),
+        per_harmonic=POINTS_PER_HARMONIC,
+        n_trusted=trusted_modes(result.n_shell_vertices),
+        cap_share=sum(result.cap_areas_mm2) / result.shell_area_mm2,
+        versions=[f"{name} {version}" for name, version in result.versions.items()],
+    )
+
+
+@cache
+def _template() -> Template:
+    environment = Environment(
+        loader=PackageLoader("auricle.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(percent=percent, counted=counted)
+    environment.globals.update(number=number, PLANNED=PLANNED, UNPLANNED=UNPLANNED, LEAST=LEAST)
+    return environment.get_template("report.html.j2")
+
+
+def _figures(files: Mapping[str, bytes]) -> tuple[_Figure, ...]:
+    known = [name for name in CAPTIONS if name in files]
+    others = sorted(name for name in files if name not in CAPTIONS)
+    return tuple(
+        _Figure(CAPTIONS.get(name) or Caption(name, "", name), _data_uri(name, files[name]))
+        for name in (*known, *others)
+    )
+
+
+def _data_uri(name: str, content: bytes) -> str:
+    media_type = _MEDIA_TYPES[name.rpartition(".")[2]]
+    return f"data:{media_type};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _number_tables(result: CaseResult) -> tuple[Table, ...]:
+    return (
+        quantity_table(result, HARMONICS),
+        quantity_table(result, LEAST),
+        quantity_table(result, PLANNED),
+        quantity_table(result, SPACING),
+        quantity_table(result, UNPLANNED),
+        quantity_table(result, DENSITY),
+        quantity_table(result, WAVELENGTH),
+        quantity_table(result, NYQUIST),
+        measured_error_table(result),
+        quantity_table(result, HARMONICS, with_constant=True),
+        signals_table(result),
+        geometry_table(result),
+    )
+
+
+def _certificate_words(result: CaseResult) -> str:
+    """The evidence that the harmonics are complete and accurate, in plain words."""
+    found = result.certificate
+    complete = (
+        "none is missing"
+        if found.eigenvalues_below_gap == found.n_modes
+        else "the two counts differ, so these results must not be used"
+    )
+    again = "; ".join(printable(each) for each in found.retries)
+    return (
+        f"{found.n_asked:,} harmonics were asked for and {found.n_modes:,} computed. A count that "
+        f"does not rely on the solver (matrix inertia) finds {found.eigenvalues_below_gap:,} "
+        f"eigenvalues below {number(found.gap_per_mm2)}/mm²: {complete}. "
+        f"They solve their equation to {number(found.largest_residual, digits=2)} and are "
+        f"perpendicular to {number(found.largest_orthogonality_error, digits=2)} (relative); "
+        f"{found.n_zero_modes} of them constant. Operator: {result.laplacian} Laplacian; solver: "
+        f"{printable(found.method)}. " + (f"Searched again: {again}." if again else "")
+    ).strip()
+
+
+def _parameters_table(result: CaseResult) -> Table:
+    config = result.config
+    widths = ", ".join(f"{width:g}" for width in config.focus_widths_mm)
+    return Table(
+        "Parameters of this run",
+        ("Parameter", "Value"),
+        (
+            ("Vertices to simplify to", f"{config.n_vertices:,}"),
+            ("Harmonics to solve for", f"{config.n_modes:,}"),
+            ("Fields", ", ".join(printable(name) for name in config.fields) or "all"),
+            ("Widths σ of simulated foci", f"{widths} mm" if widths else "none"),
+            ("Numbers of simulated foci", ", ".join(map(str, config.focus_counts)) or "none"),
+            ("Seed", str(config.seed)),
+        ),
+    )

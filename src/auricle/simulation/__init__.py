@@ -1,0 +1,1 @@
+"""Generated ground truth: atria and feature maps whose properties are known beforehand."""

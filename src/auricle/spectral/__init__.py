@@ -1,0 +1,1 @@
+"""The Fourier analysis of a surface: Laplacian, manifold harmonics, spectra."""

@@ -1,0 +1,287 @@
+"""Manifold harmonics: the eigenfunctions of a surface's Laplacian, complete and certified."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import eigh
+
+from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
+from auricle.errors import InputError, SolverError
+from auricle.progress import Progress, silent
+from auricle.spectral.factorization import factorize
+from auricle.spectral.laplacian import Laplacian, laplacian
+from auricle.spectral.power import Spectrum
+from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
+from auricle.surface.mesh import Mesh
+
+LARGEST_RESIDUAL = 1e-8
+LARGEST_ORTHOGONALITY_ERROR = 1e-10
+_DENSE_SIZE = 1_500
+_DENSE_SHARE = 1 / 4
+_CLUSTER_GAP = 1e-7
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Evidence that a set of harmonics is complete and accurate.
+
+    Attributes
+    ----------
+    n_asked, n_modes
+        Harmonics asked for and returned; more are returned where the last one asked for belongs
+        to a cluster of equal eigenvalues, which is returned whole.
+    gap_per_mm2
+        A number between the last eigenvalue returned and the next one.
+    eigenvalues_below_gap
+        Eigenvalues below it, counted by matrix inertia and not by the solver: equals `n_modes`.
+    largest_residual
+        Of ‖stiffness·u − λ·areas·u‖ in the inverse-area norm, relative to λ; for the zero modes
+        relative to the first eigenvalue that is not zero.
+    largest_orthogonality_error
+        Of |modesᵀ·areas·modes − identity|.
+    n_zero_modes
+        Harmonics constant on a piece of the surface: as many as there are pieces.
+    method
+        ``dense LAPACK`` or ``block Lanczos with spectrum slicing``.
+    retries
+        What the solver searched for again, one phrase each.
+    """
+
+    n_asked: int
+    n_modes: int
+    gap_per_mm2: float
+    eigenvalues_below_gap: int
+    largest_residual: float
+    largest_orthogonality_error: float
+    n_zero_modes: int
+    method: str
+    retries: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics:
+    """Manifold harmonics of one mesh, orthonormal under its vertex areas.
+
+    The only inner product is modesᵀ·diag(areas)·modes = identity. Each mode's sign makes its
+    entry of largest magnitude positive.
+
+    Attributes
+    ----------
+    eigenvalues
+        Shape (k,), 1/mm², ascending from 0.
+    modes
+        Shape (n, k), 1/mm.
+    areas
+        Shape (n,), mm².
+    laplacian
+        Which operator: ``cotangent`` or ``intrinsic Delaunay``.
+    certificate
+        Of completeness and accuracy.
+    """
+
+    eigenvalues: PerMode
+    modes: Modes
+    areas: PerVertex
+    laplacian: str
+    certificate: Certificate
+
+    def __post_init__(self) -> None:
+        for name in ("eigenvalues", "modes", "areas"):
+            object.__setattr__(self, name, read_only(getattr(self, name), np.float64))
+        if self.modes.shape != (len(self.areas), len(self.eigenvalues)):
+            raise InputError(
+                f"modes have shape {self.modes.shape} for {len(self.areas)} vertices and "
+                f"{len(self.eigenvalues)} eigenvalues"
+            )
+
+    @property
+    def n_modes(self) -> int:
+        """Number of harmonics."""
+        return len(self.eigenvalues)
+
+    @property
+    def area(self) -> float:
+        """Area of the surface, mm²."""
+        return float(self.areas.sum())
+
+    def transform(self, values: Floats) -> Floats:
+        """Coefficients of a map: its area-weighted projection on the harmonics.
+
+        Shape (k,) for values of shape (n,), or (k, c) for (n, c); the map's unit times mm.
+        """
+        weighted = values * self.areas.reshape(-1, *[1] * (values.ndim - 1))
+        coefficients: Floats = self.modes.T @ weighted
+        return coefficients
+
+    def inverse(self, coefficients: Floats) -> Floats:
+        """The map that has these leading coefficients, shape (n,) or (n, c)."""
+        values: Floats = self.modes[:, : len(coefficients)] @ coefficients
+        return values
+
+    def power_spectrum(self, values: Floats) -> Spectrum:
+        """Power of a map by harmonic, against its total power by Parseval.
+
+        A vector map's columns are added up. The mean is split off first, so that an offset of
+        any size (250 mm of scanner origin, 1e6 mm) leaves the rest of the spectrum alone.
+
+        Raises
+        ------
+        InputError
+            If a value is missing (fill it first) or the map is constant.
+        """
+        if not np.isfinite(values).all():
+            raise InputError("the map has unsampled vertices: fill them before the transform")
+        columns = values.reshape(len(values), -1)
+        n_constant = self.certificate.n_zero_modes
+        # Twice, since one subtraction of a large mean leaves its rounding behind.
+        constants = self.modes[:, :n_constant]
+        mean = constants @ self.transform(columns)[:n_constant]
+        varying = columns - mean
+        rest = constants @ self.transform(varying)[:n_constant]
+        coefficients = self.transform(varying - rest)
+        coefficients[:n_constant] = self.transform(mean + rest)[:n_constant]
+        power = (coefficients**2).sum(axis=1)
+        varying_total = float((self.areas[:, None] * (varying - rest) ** 2).sum())
+        return Spectrum(self.eigenvalues, power, varying_total, n_constant)
+
+
+def manifold_harmonics(
+    mesh: Mesh, n_modes: int, *, seed: int = 1, progress: Progress = silent
+) -> Harmonics:
+    """The first `n_modes` manifold harmonics of a mesh: complete and certified, or refused.
+
+    Small problems and large shares of the spectrum are solved densely, the others by spectrum
+    slicing. Either way the number of eigenvalues is counted independently by matrix inertia.
+
+    Parameters
+    ----------
+    mesh
+        Any triangle mesh; several pieces are allowed.
+    n_modes
+        How many, the constant one included; if the last belongs to a cluster of equal
+        eigenvalues the whole cluster is returned.
+    seed
+        Of the solver's starting vectors; the same seed gives the same digits.
+    progress
+        Told the number of harmonics found.
+
+    Raises
+    ------
+    InputError
+        If `n_modes` is less than 1 or not less than the number of vertices.
+    SolverError
+        If the result misses its certificate.
+
+    References
+    ----------
+    Vallet & Lévy 2008, "Spectral geometry processing with manifold harmonics".
+
+    Examples
+    --------
+    A sphere's second eigenvalue is l(l+1)/R² = 2/R², three times:
+
+    >>> from auricle.surface.shapes import icosphere
+    >>> basis = manifold_harmonics(icosphere(radius=10.0, subdivisions=3), 4)
+    >>> [round(float(value), 3) for value in basis.eigenvalues[1:] * 10**2]
+    [2.0, 2.0, 2.0]
+    """
+    if not 1 <= n_modes < mesh.n_vertices:
+        raise InputError(
+            f"{n_modes} harmonics of {mesh.n_vertices} vertices: ask for 1 to {mesh.n_vertices - 1}"
+        )
+    operator = laplacian(mesh)
+    matrix = _symmetrized(operator)
+    scale = 4 * np.pi / operator.areas.sum()
+    n = mesh.n_vertices
+    if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
+        method = "dense LAPACK"
+        values, vectors = eigh(matrix.toarray(), driver="evd")
+        pairs = LowestPairs(values, vectors, ())
+    else:
+        method = "block Lanczos with spectrum slicing"
+        pairs = lowest_eigenpairs(
+            matrix,
+            n_modes,
+            density=1 / scale,
+            rng=np.random.default_rng(seed),
+            progress=progress,
+        )
+    n_returned = _end_of_cluster(pairs.values, n_modes, scale)
+    return _certified(operator, matrix, pairs, n_asked=n_modes, n_modes=n_returned, method=method)
+
+
+def _symmetrized(operator: Laplacian) -> sparse.csc_array:
+    """The matrix areas^-½ · stiffness · areas^-½, with the same eigenvalues, in 1/mm²."""
+    roots = sparse.diags_array(1 / np.sqrt(operator.areas))
+    return sparse.csc_array(roots @ operator.stiffness @ roots)
+
+
+def _end_of_cluster(values: Floats, n_modes: int, scale: float) -> int:
+    """The least count from `n_modes` up that does not cut through equal eigenvalues."""
+    gaps = np.diff(values[n_modes - 1 :])
+    separate = gaps > _CLUSTER_GAP * np.maximum(values[n_modes - 1 : -1], scale)
+    return n_modes + int(separate.argmax()) if separate.any() else len(values)
+
+
+def _certified(
+    operator: Laplacian,
+    matrix: sparse.csc_array,
+    pairs: LowestPairs,
+    *,
+    n_asked: int,
+    n_modes: int,
+    method: str,
+) -> Harmonics:
+    """Harmonics with their certificate, from eigenpairs of the symmetrised matrix."""
+    vectors = _orthonormalized(pairs.vectors[:, :n_modes])
+    values = np.einsum("nk,nk->k", vectors, matrix @ vectors)
+    residuals = np.linalg.norm(matrix @ vectors - vectors * values, axis=0)
+    n_zero = int((values < _CLUSTER_GAP * 4 * np.pi / operator.areas.sum()).sum())
+    first = values[n_zero] if n_zero < n_modes else 4 * np.pi / operator.areas.sum()
+    values = np.where(np.arange(n_modes) < n_zero, 0.0, values)
+    overlap = vectors.T @ vectors
+    following = pairs.values[n_modes] if n_modes < len(pairs.values) else 2 * values[-1]
+    count = factorize(matrix, 0.5 * (float(values[-1]) + float(following)))
+    certificate = Certificate(
+        n_asked=n_asked,
+        n_modes=n_modes,
+        gap_per_mm2=count.shift,
+        eigenvalues_below_gap=count.n_below,
+        largest_residual=float((residuals / np.maximum(values, first)).max()),
+        largest_orthogonality_error=float(np.abs(overlap - np.eye(n_modes)).max()),
+        n_zero_modes=n_zero,
+        method=method,
+        retries=pairs.retries,
+    )
+    _require_certificate(certificate)
+    modes = vectors / np.sqrt(operator.areas)[:, None]
+    peaks = np.abs(modes).argmax(axis=0)
+    signs = np.sign(modes[peaks, np.arange(n_modes)])
+    return Harmonics(values, modes * signs, operator.areas, operator.kind, certificate)
+
+
+def _orthonormalized(vectors: Floats) -> Floats:
+    """The nearest orthonormal columns, by a Newton-Schulz step of the polar decomposition."""
+    correction = vectors.T @ vectors
+    correction[np.diag_indices_from(correction)] -= 1.0
+    orthonormal: Floats = vectors - vectors @ (0.5 * correction)
+    return orthonormal
+
+
+def _require_certificate(certificate: Certificate) -> None:
+    if certificate.eigenvalues_below_gap != certificate.n_modes:
+        raise SolverError(
+            f"{certificate.eigenvalues_below_gap} eigenvalues lie below the last gap but "
+            f"{certificate.n_modes} were found: ask for another number of harmonics"
+        )
+    if certificate.largest_residual > LARGEST_RESIDUAL:
+        raise SolverError(
+            f"a harmonic's residual is {certificate.largest_residual:.1e}, more than "
+            f"{LARGEST_RESIDUAL:.0e}: is the surface degenerate?"
+        )
+    if certificate.largest_orthogonality_error > LARGEST_ORTHOGONALITY_ERROR:
+        raise SolverError(
+            f"harmonics deviate from orthonormal by {certificate.largest_orthogonality_error:.1e}, "
+            f"more than {LARGEST_ORTHOGONALITY_ERROR:.0e}: is the surface degenerate?"
+        )

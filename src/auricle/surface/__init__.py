@@ -1,0 +1,1 @@
+"""Triangle surfaces of heart chambers: files, soundness, repair, capping, simplification."""

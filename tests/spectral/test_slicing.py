@@ -1,0 +1,103 @@
+"""Spectrum slicing misses nothing: against dense LAPACK, on meshes full of equal eigenvalues."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from auricle.errors import SolverError
+from auricle.spectral import slicing
+from auricle.spectral.factorization import factorize
+from auricle.spectral.laplacian import laplacian
+from auricle.spectral.slicing import lowest_eigenpairs
+from auricle.surface.mesh import Mesh
+from auricle.surface.shapes import cube, icosphere, joined
+
+COUNTS = (1, 2, 10, 50, 99, 200)
+
+
+def two_spheres() -> Mesh:
+    sphere = icosphere(radius=30.0, subdivisions=3)
+    return joined([sphere, Mesh(sphere.vertices + 100.0, sphere.faces)])
+
+
+SHAPES = {
+    "sphere": lambda: icosphere(radius=30.0, subdivisions=3),
+    "two equal spheres": two_spheres,
+    "cube": lambda: cube(side=40.0, n=11),
+}
+
+
+def symmetrized(mesh: Mesh) -> sparse.csc_array:
+    operator = laplacian(mesh)
+    roots = sparse.diags_array(1 / np.sqrt(operator.areas))
+    return sparse.csc_array(roots @ operator.stiffness @ roots)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_no_eigenvalue_is_missing_over_ten_seeds_and_six_counts(name) -> None:
+    mesh = SHAPES[name]()
+    matrix = symmetrized(mesh)
+    truth = np.linalg.eigvalsh(matrix.toarray())
+    for seed in range(10):
+        for count in COUNTS:
+            found = lowest_eigenpairs(
+                matrix,
+                count,
+                density=mesh.area / (4 * np.pi),
+                rng=np.random.default_rng(seed),
+            )
+            assert len(found.values) > count
+            np.testing.assert_allclose(
+                found.values, truth[: len(found.values)], atol=1e-9 * truth[max(count, 10)]
+            )
+
+
+def test_inertia_counts_the_eigenvalues_below_a_shift() -> None:
+    matrix = symmetrized(SHAPES["cube"]())
+    truth = np.linalg.eigvalsh(matrix.toarray())
+    shifts = 0.5 * (truth[1:] + truth[:-1])[np.diff(truth) > 1e-6 * truth[1:]][:60]
+    assert len(shifts) > 20
+    for shift in shifts:
+        assert factorize(matrix, float(shift)).n_below == (truth < shift).sum()
+
+
+def test_a_shift_that_hits_an_eigenvalue_is_moved() -> None:
+    diagonal = sparse.csc_array(sparse.diags_array(np.arange(10.0)))
+    moved = factorize(diagonal, 4.0)
+    assert moved.shift != 4.0
+    assert moved.n_below == 5
+
+
+def test_what_is_counted_but_not_found_is_an_error_not_a_gap(monkeypatch) -> None:
+    """An iteration that loses copies (as ARPACK does) is noticed by the count."""
+
+    def forgetful(factors, known, **options):
+        pairs = original(factors, known, **options)
+        kept = np.arange(len(pairs.values)) != 0
+        return type(pairs)(pairs.values[kept], pairs.vectors[:, kept])
+
+    original = slicing.eigenpairs_near
+    monkeypatch.setattr(slicing, "eigenpairs_near", forgetful)
+    monkeypatch.setattr(slicing, "_RETRIES", 1)
+    mesh = SHAPES["sphere"]()
+    with pytest.raises(SolverError, match="counted below"):
+        lowest_eigenpairs(
+            symmetrized(mesh),
+            20,
+            density=mesh.area / (4 * np.pi),
+            rng=np.random.default_rng(0),
+        )
+
+
+def test_progress_counts_up_to_what_was_asked() -> None:
+    mesh = SHAPES["sphere"]()
+    seen = []
+    lowest_eigenpairs(
+        symmetrized(mesh),
+        150,
+        density=mesh.area / (4 * np.pi),
+        rng=np.random.default_rng(0),
+        progress=lambda stage, done, total: seen.append((stage, done, total)),
+    )
+    assert seen[-1] == ("harmonics", 150, 150)
+    assert [done for _, done, _ in seen] == sorted(done for _, done, _ in seen)
