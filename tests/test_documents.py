@@ -89,9 +89,11 @@ def test_every_command_has_an_example_in_the_readme():
     assert set(commands.NAMES) <= shown
 
 
-def test_every_command_and_option_in_the_readme_exists():
+def test_every_command_and_option_in_the_readme_and_the_makefile_exists():
     group = typer.main.get_command(app.app)
-    for words in shell_lines():
+    demo = re.findall(r"\$\(BIN\)/(auricle .*)", text("Makefile"))
+    assert demo
+    for words in [*shell_lines(), *map(str.split, demo)]:
         if words[0] != "auricle":
             continue
         rest = words[3:] if words[1] == "--config" else words[1:]

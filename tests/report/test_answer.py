@@ -1,4 +1,4 @@
-"""The answer in words, held against the criteria it tells."""
+"""The answer in words, held against the readings it tells."""
 
 import math
 import re
@@ -16,7 +16,7 @@ def only(case: CaseResult, *fields: Signal) -> CaseResult:
 
 
 def at_90(signal: Signal):
-    return next(c for c in signal.criteria if c.share == 0.90 and not c.with_constant).need
+    return next(c for c in signal.for_error if c.share == 0.90).need
 
 
 def numbers(text: str) -> set[str]:
@@ -24,12 +24,11 @@ def numbers(text: str) -> set[str]:
 
 
 def with_need(signal: Signal, share: float, found) -> Signal:
-    """The signal with another need at one share, without the constant."""
+    """The signal with another need for the error of one share."""
     return replace(
         signal,
-        criteria=tuple(
-            replace(c, need=found) if c.share == share and not c.with_constant else c
-            for c in signal.criteria
+        for_error=tuple(
+            replace(c, need=found) if c.share == share else c for c in signal.for_error
         ),
     )
 
@@ -96,7 +95,7 @@ def test_what_the_mesh_does_not_resolve_is_said(case):
     signal = case.fields[0]
     rough = with_need(signal, 0.90, replace(at_90(signal), trusted=False))
     assert "finer than this mesh resolves" in answer_sentence(only(case, rough))
-    fine = signal.criteria[3].need
+    fine = signal.for_error[3].need
     assert ("finer" in answer_sentence(only(case, signal))) == (not (fine and fine.trusted))
 
 
@@ -137,7 +136,7 @@ def test_the_same_case_gives_the_same_words(case):
 
 def test_numbers_in_the_answer_are_those_of_the_criteria_and_no_others(case):
     need, signal = at_90(case.fields[0]), case.fields[0]
-    fine = signal.criteria[3].need or bound_of(case)
+    fine = signal.for_error[3].need or bound_of(case)
     known = {need.n_planned, need.n_unplanned, need.n_least, fine.n_planned, 32, 10}
     known_text = {str(number) for number in known}
     known_text |= {f"{case.surface.area / 100:.0f}", f"{need.planned_spacing_mm:.2g}"}

@@ -56,6 +56,16 @@ def test_exact_distances_on_a_flat_sheet_are_straight_lines():
         np.testing.assert_allclose(exact_geodesic_distances(sheet, source), straight, atol=1e-12)
 
 
+@pytest.mark.parametrize("reach", [1.5, 4.0, 9.0, 18.0])
+def test_a_limited_reach_on_a_flat_sheet_of_long_triangles_finds_the_straight_lines(reach):
+    sheet = rectangle(width=20.0, height=10.0, n_x=41, n_y=4)
+    straight = np.linalg.norm(sheet.vertices - sheet.vertices[60], axis=1)
+    found = exact_geodesic_distances(sheet, 60, reach=reach)
+    clear = np.abs(straight - reach) > 1e-9
+    expected = np.where(straight < reach, straight, np.inf)
+    np.testing.assert_allclose(found[clear], expected[clear], atol=1e-12)
+
+
 def test_exact_distances_on_a_cube_unfold_its_sides():
     box = cube(side=1.0, n=6)
     corner = int(np.flatnonzero((box.vertices == -0.5).all(axis=1))[0])

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from auricle.report.tables import PLANNED, UNPLANNED, Quantity, bound_of, criteria_of, spread_of
+from auricle.report.tables import PLANNED, UNPLANNED, Quantity, bound_of, spread_of
 from auricle.report.wording import counted, listed, number, percent, signal_words
 from auricle.sampling.criteria import Criterion, Need
 from auricle.study.result import CaseResult, Signal
@@ -27,7 +27,7 @@ class Advice:
     words, label
         The map in words, and the width of a simulated focus (else the words again).
     target, fine
-        Its readings at `TARGET_SHARE` and `FINE_SHARE`, without the constant harmonic.
+        What its measured error takes to reach that of `TARGET_SHARE` and of `FINE_SHARE`.
     bound
         What all the harmonics solved for ask for; a reading that is not reached takes more.
     share_in_band
@@ -71,7 +71,7 @@ class Advice:
 
 def advice(signal: Signal, result: CaseResult) -> Advice:
     """What one map of a case takes."""
-    by_share = {each.share: each for each in criteria_of(signal)}
+    by_share = {each.share: each for each in signal.for_error}
     words, width = signal_words(signal), signal.details.get("width_mm")
     return Advice(
         words=words,
@@ -91,16 +91,26 @@ def measured_advice(result: CaseResult) -> tuple[Advice, ...]:
 
 
 def focal_advice(result: CaseResult) -> tuple[Advice, ...]:
-    """What simulated foci take: the least and the most demanding one, or the only one."""
-    return _extremes([advice(signal, result) for signal in result.simulated])
+    """What simulated foci take: the least and the most demanding width, or the only one.
+
+    Only the maps with the fewest foci are compared, so that the width alone differs.
+    """
+    fewest = min((signal.details["n_foci"] for signal in result.simulated), default=1)
+    return _extremes(
+        [
+            advice(signal, result)
+            for signal in result.simulated
+            if signal.details["n_foci"] == fewest
+        ]
+    )
 
 
 def answer_sentence(result: CaseResult) -> str:
     """How many points to take: plain text, one or two sentences.
 
     The maps that came with the surface first, then simulated foci from the least to the most
-    demanding; where there is neither, the shape itself. The counts are those of the criteria at
-    90 % of the power, an error of 32 % of the map's standard deviation, without the constant.
+    demanding; where there is neither, the shape itself. The counts bring the error measured on
+    the real surface down to 32 % of the map's standard deviation (90 % of the power).
     """
     maps, foci = measured_advice(result), focal_advice(result)
     place = f"On this surface ({number(result.analyzed.area_mm2 / 100)} cm²), "

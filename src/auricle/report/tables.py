@@ -114,6 +114,7 @@ def points_table(result: CaseResult) -> Table:
         "Points to plan: evenly spread / taken wherever the catheter happens to be",
         [f"error {percent(math.sqrt(1 - share))}" for share in SHARES],
         lambda _, each: f"{PLANNED.text(each, bound)} / {UNPLANNED.text(each, bound)}",
+        readings=lambda signal: signal.for_error,
     )
 
 
@@ -126,7 +127,7 @@ def quantity_table(result: CaseResult, quantity: Quantity, *, with_constant: boo
         quantity.caption + constant,
         [_share_head(share, with_constant=with_constant) for share in SHARES],
         lambda _, each: quantity.text(each, bound),
-        with_constant=with_constant,
+        lambda signal: criteria_of(signal, with_constant=with_constant),
     )
 
 
@@ -223,14 +224,10 @@ def _by_share(
     caption: str,
     head: list[str],
     cell: Callable[[Signal, Criterion], str],
-    *,
-    with_constant: bool = False,
+    readings: Callable[[Signal], Iterable[Criterion]] = criteria_of,
 ) -> Table:
     rows = tuple(
-        (
-            signal_words(signal),
-            *(cell(signal, each) for each in criteria_of(signal, with_constant=with_constant)),
-        )
+        (signal_words(signal), *(cell(signal, each) for each in readings(signal)))
         for signal in signals
     )
     return Table(caption, ("Map", *head), rows)

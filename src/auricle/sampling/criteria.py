@@ -3,6 +3,9 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from auricle.arrays import PerMode
 from auricle.errors import BandError
 from auricle.spectral.power import Spectrum
 from auricle.spectral.weyl import nyquist_spacing, trusted_modes, weyl_wavelength
@@ -140,6 +143,41 @@ def criterion(
     else:
         needed = need(n_modes, shell)
     return Criterion(share, with_constant, math.sqrt(1 - share), needed)
+
+
+def error_criteria(nrmse: PerMode, shell: Shell) -> tuple[Criterion, ...]:
+    """Read a measured error curve at the errors that `SHARES` stand for.
+
+    Parameters
+    ----------
+    nrmse
+        Measured error of the first 1 … k harmonics of a map, shape (k,), relative to its
+        standard deviation where it was measured.
+    shell
+        What the harmonics live on.
+
+    Returns
+    -------
+    tuple of Criterion
+        Without the constant; `need` is what it takes for the error to stay within bounds from
+        there on. On a closed surface sampled everywhere these are the `criteria`; with caps or
+        gaps they are not, since the spectrum is then that of the map with its continuation.
+
+    Examples
+    --------
+    >>> shell = Shell(area=12_500.0, accessible_area=12_500.0, n_vertices=10_000)
+    >>> found = error_criteria(np.array([1.0, 0.35, 0.30, 0.05]), shell)
+    >>> [each.need.n_modes for each in found]
+    [2, 3, 4, 4]
+    """
+    readings = []
+    for share in SHARES:
+        bound = math.sqrt(1 - share)
+        beyond = np.flatnonzero(nrmse > bound * (1 + 1e-9))
+        n_modes = int(beyond[-1]) + 2 if len(beyond) else 1
+        needed = need(n_modes, shell) if n_modes <= len(nrmse) else None
+        readings.append(Criterion(share, False, bound, needed))
+    return tuple(readings)
 
 
 def criteria(spectrum: Spectrum, shell: Shell) -> tuple[Criterion, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.linalg import eigh
+from threadpoolctl import threadpool_limits
 
 from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
@@ -190,10 +191,16 @@ def manifold_harmonics(
         raise InputError(
             f"{n_modes} harmonics of {mesh.n_vertices} vertices: ask for 1 to {mesh.n_vertices - 1}"
         )
-    operator = laplacian(mesh)
+    # The matrix products here are narrow: a second thread gains little, and on shared cores it
+    # costs many times over. One thread also gives the same digits everywhere.
+    with threadpool_limits(1, user_api="blas"):
+        return _solved(laplacian(mesh), n_modes, seed=seed, progress=progress)
+
+
+def _solved(operator: Laplacian, n_modes: int, *, seed: int, progress: Progress) -> Harmonics:
     matrix = _symmetrized(operator)
     scale = 4 * np.pi / operator.areas.sum()
-    n = mesh.n_vertices
+    n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
         method = "dense LAPACK"
         values, vectors = eigh(matrix.toarray(), driver="evd")

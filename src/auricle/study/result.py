@@ -48,6 +48,8 @@ class Signal:
         The map on the analysed surface; NaN where unsampled.
     spectrum, criteria
         Its spectrum on the capped shell and the readings of it.
+    for_error
+        What it takes to bring the measured error down to 39, 32, 22 and 10 %.
     nrmse
         Measured error of the first 1 … k harmonics on the real surface, shape (k,), relative to
         the map's area-weighted standard deviation there.
@@ -64,6 +66,7 @@ class Signal:
     field: FieldMap
     spectrum: Spectrum
     criteria: tuple[Criterion, ...]
+    for_error: tuple[Criterion, ...]
     nrmse: PerMode
     unsampled_share: float
     details: Mapping[str, float]

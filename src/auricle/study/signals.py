@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from auricle.arrays import Floats, PerMode, PerVertex, Truths
-from auricle.sampling.criteria import Shell, criteria
+from auricle.sampling.criteria import Shell, criteria, error_criteria
 from auricle.spectral.harmonics import Harmonics
 from auricle.study.result import Signal
 from auricle.surface.field import FieldMap
@@ -61,6 +61,7 @@ def analyzed_signal(
     known[: field.mesh.n_vertices] = field.sampled
     spectrum = basis.power_spectrum(on_shell)
     shell = Shell(basis.area, field.mesh.area, len(basis.areas))
+    nrmse = measured_nrmse(basis, on_shell, known)
     return Signal(
         name=field.name,
         title=title,
@@ -68,7 +69,8 @@ def analyzed_signal(
         field=field,
         spectrum=spectrum,
         criteria=criteria(spectrum, shell),
-        nrmse=measured_nrmse(basis, on_shell, known),
+        for_error=error_criteria(nrmse, shell),
+        nrmse=nrmse,
         unsampled_share=_unsampled_share(field, basis.areas[: field.mesh.n_vertices]),
         details=details,
     )

@@ -64,6 +64,7 @@ def _signal_document(signal: Signal) -> dict[str, Any]:
         "constant_power": signal.spectrum.constant_power,
         "share_in_band": float(signal.spectrum.cumulative()[-1]),
         "criteria": [_criterion_document(each, signal) for each in signal.criteria],
+        "for_error": [_criterion_document(each, signal) for each in signal.for_error],
     }
 
 
