@@ -8,10 +8,10 @@ from auricle.report.wording import counted, listed, number, percent, signal_word
 from auricle.sampling.criteria import Criterion, Need
 from auricle.study.result import CaseResult, Signal
 
-TARGET_SHARE = 0.90
-"""Share of the power that the sentence is read at: the upper one of the paper's two."""
-FINE_SHARE = 0.99
-"""Share of the power that a fine map holds."""
+TARGET_SHARE = 0.99
+"""Share of the power that the sentence is read at: an error of 10 %."""
+COARSE_SHARE = 0.90
+"""Share of the power told beside it: an error of 32 %, the upper one of the paper's two."""
 
 _MOST_NAMED = 3
 _CLOSE_MM = 1.0
@@ -26,8 +26,8 @@ class Advice:
     ----------
     words, label
         The map in words, and the width of a simulated focus (else the words again).
-    target, fine
-        What its measured error takes to reach that of `TARGET_SHARE` and of `FINE_SHARE`.
+    target, coarse
+        What its measured error takes to reach that of `TARGET_SHARE` and of `COARSE_SHARE`.
     bound
         What all the harmonics solved for ask for; a reading that is not reached takes more.
     share_in_band
@@ -39,7 +39,7 @@ class Advice:
     words: str
     label: str
     target: Criterion
-    fine: Criterion
+    coarse: Criterion
     bound: Need
     share_in_band: float
     spread: float
@@ -57,9 +57,9 @@ class Advice:
         """Points to plan for the target, evenly spread; infinite if it is not reached."""
         return self.target.need.n_planned if self.target.need else float("inf")
 
-    def count(self, quantity: Quantity, *, fine: bool = False, note: str = "") -> str:
+    def count(self, quantity: Quantity, *, coarse: bool = False, note: str = "") -> str:
         """A number of points in words: "78", "more than 511", "78 (σ = 8 mm)"."""
-        criterion = self.fine if fine else self.target
+        criterion = self.coarse if coarse else self.target
         if criterion.need is None:
             shown, unsure = f"more than {quantity.of(self.bound)}", ""
         else:
@@ -77,7 +77,7 @@ def advice(signal: Signal, result: CaseResult) -> Advice:
         words=words,
         label=words if width is None else f"σ = {width:g} mm",
         target=by_share[TARGET_SHARE],
-        fine=by_share[FINE_SHARE],
+        coarse=by_share[COARSE_SHARE],
         bound=bound_of(result),
         share_in_band=float(signal.spectrum.cumulative()[-1]),
         spread=spread_of(signal, result),
@@ -110,7 +110,7 @@ def answer_sentence(result: CaseResult) -> str:
 
     The maps that came with the surface first, then simulated foci from the least to the most
     demanding; where there is neither, the shape itself. The counts bring the error measured on
-    the real surface down to 32 % of the map's standard deviation (90 % of the power).
+    the real surface down to 10 % of the map's standard deviation.
     """
     maps, foci = measured_advice(result), focal_advice(result)
     place = f"On this surface ({number(result.analyzed.area_mm2 / 100)} cm²), "
@@ -134,8 +134,8 @@ def _one_map(only: Advice) -> str:
         f"plan about {only.count(PLANNED)} evenly spread points, one every "
         f"{number(found.planned_spacing_mm, digits=2)} mm, to map {only.words} with {error}"
         f"{absolute}, or about {only.count(UNPLANNED)} {_ANYWHERE}; sampling theory demands at "
-        f"least {found.n_least}, and an error of {percent(only.fine.nrmse)} takes "
-        f"{only.count(PLANNED, fine=True)}"
+        f"least {found.n_least}, and an error of {percent(only.coarse.nrmse)} takes "
+        f"{only.count(PLANNED, coarse=True)}"
     )
 
 
@@ -149,12 +149,12 @@ def _several_maps(maps: Sequence[Advice]) -> str:
         ends = " to ".join(each.count(PLANNED) for each in others)
         planned.append(f"{ends} for {counted(len(maps) - len(named), 'further map')}")
     unplanned = listed([each.count(UNPLANNED) for each in named])
-    fine = listed([each.count(PLANNED, fine=True) for each in named])
+    rough = listed([each.count(PLANNED, coarse=True) for each in named])
     again = " for the maps named" if others else ""
     return (
         f"an error of {percent(named[0].target.nrmse)} of a map's variation takes about "
         f"{listed(planned)} ({unplanned}{again} {_ANYWHERE}); an error of "
-        f"{percent(named[0].fine.nrmse)} takes {fine}{again}"
+        f"{percent(named[0].coarse.nrmse)} takes {rough}{again}"
     )
 
 
