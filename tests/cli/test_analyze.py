@@ -197,6 +197,21 @@ def test_an_impossible_request_ends_in_one_line_and_leaves_nothing(
     assert cause in done.stderr
 
 
+def test_faces_without_area_are_named_and_counted(auricle, tmp_path) -> None:
+    """A vertex in the middle of an edge, and the flat face that joins the three on it."""
+    sphere = icosphere(radius=30.0, subdivisions=2)
+    a, b, c = sphere.faces[0]
+    n = sphere.n_vertices
+    middle = (sphere.vertices[a] + sphere.vertices[b]) / 2
+    faces = [*sphere.faces[1:], [a, n, c], [n, b, c], [a, b, n]]
+    path = tmp_path / "flat.off"
+    path.write_bytes(off(np.vstack([sphere.vertices, middle]), np.array(faces)))
+    for command in (("analyze", "--focus-width", 20), ("harmonics",)):
+        done = auricle(*command, path, "-k", 20, "-o", tmp_path / command[0])
+        assert done.returncode == 0, done.stderr
+        assert "1 faces without area" in done.stderr
+
+
 def test_a_folder_or_a_missing_file_is_no_surface(auricle, tmp_path) -> None:
     for path in (tmp_path, tmp_path / "absent.vtp"):
         refused(auricle("analyze", path, "-o", tmp_path / "out"), path, tmp_path / "out")

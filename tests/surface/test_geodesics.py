@@ -3,9 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from auricle.errors import InputError
+from auricle.errors import InputError, SurfaceError
 from auricle.surface.geodesics import (
     GeodesicDistances,
+    distances_from,
     exact_geodesic_distances,
     geodesic_distances,
 )
@@ -160,3 +161,16 @@ def test_a_reach_of_nothing_is_refused():
         exact_geodesic_distances(SMALL, 0, reach=0.0)
     with pytest.raises(InputError, match="source"):
         exact_geodesic_distances(SMALL, SMALL.n_vertices)
+
+
+def test_a_degenerate_triangle_is_refused_by_the_exact_search_and_left_to_the_heat_method():
+    a, b, c = SMALL.faces[0]
+    n = SMALL.n_vertices
+    middle = (SMALL.vertices[a] + SMALL.vertices[b]) / 2
+    faces = [*SMALL.faces[1:], [a, n, c], [n, b, c], [a, b, n]]
+    flat = Mesh(np.vstack([SMALL.vertices, middle]), faces)
+    with pytest.raises(SurfaceError, match="degenerate"):
+        exact_geodesic_distances(flat, 0)
+    expected = exact_geodesic_distances(SMALL, 0)
+    np.testing.assert_allclose(distances_from(flat, 0)[:n], expected, atol=0.2 * expected.max())
+    assert np.array_equal(distances_from(SMALL, 0), expected)

@@ -141,6 +141,7 @@ def harmonics(
     from auricle.surface.capping import cap_holes
     from auricle.surface.cleaning import clean
     from auricle.surface.reading import read_surface
+    from auricle.surface.soundness import zero_area_remark
 
     _require_folder(output)
     with _about(surface), progress_bars() as progress:
@@ -155,7 +156,8 @@ def harmonics(
             source=source_of(surface),
             parameters={"modes": modes, "cap": cap, "seed": seed},
         )
-    _echo_notes(cleaned.repairs)
+    found = cleaned.soundness
+    _echo_notes(cleaned.repairs, [zero_area_remark(found)] if found.n_zero_area_faces else [])
     certificate = basis.certificate
     typer.echo(
         f"{basis.n_modes} harmonics of {len(basis.areas):,} vertices, {basis.area / 100:.1f} cm²: "

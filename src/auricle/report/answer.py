@@ -113,11 +113,15 @@ def answer_sentence(result: CaseResult) -> str:
     the real surface down to 10 % of the map's standard deviation.
     """
     maps, foci = measured_advice(result), focal_advice(result)
-    place = f"On this surface ({number(result.analyzed.area_mm2 / 100)} cm²), "
-    if maps:
-        told = _one_map(maps[0]) if len(maps) == 1 else _several_maps(maps)
-        return f"{place}{told}." + (f" {_foci_besides(foci)}." if foci else "")
-    return f"{place}{_foci_alone(foci) if foci else _shape(result)}."
+    if len(maps) == 1:
+        told = _one_map(maps[0])
+    elif maps:
+        told = _several_maps(maps)
+    else:
+        told = _foci_alone(foci) if foci else _shape(result)
+    besides = f" {_foci_besides(foci)}." if maps and foci else ""
+    sentence = f"On this surface ({number(result.analyzed.area_mm2 / 100)} cm²), {told}.{besides}"
+    return sentence.replace("about more than", "more than")
 
 
 def _one_map(only: Advice) -> str:

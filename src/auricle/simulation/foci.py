@@ -8,7 +8,7 @@ import numpy as np
 from auricle.arrays import PerVertex, Truths
 from auricle.errors import InputError
 from auricle.surface.field import FieldMap
-from auricle.surface.geodesics import exact_geodesic_distances
+from auricle.surface.geodesics import distances_from
 from auricle.surface.mesh import Mesh
 
 Profile = Literal["gaussian", "disc"]
@@ -176,13 +176,13 @@ def gaussian_width_for_modes(*, area: float, modes: float, share: float) -> floa
 
 def _gaussian(mesh: Mesh, centre: int, width: float) -> PerVertex:
     reach = width * np.sqrt(-2.0 * np.log(_NEGLIGIBLE))
-    distance = exact_geodesic_distances(mesh, centre, reach=reach)
+    distance = distances_from(mesh, centre, reach=reach)
     bump: PerVertex = np.exp(-0.5 * (distance / width) ** 2)
     return bump
 
 
 def _disc(mesh: Mesh, centre: int, width: float) -> PerVertex:
-    inside = np.isfinite(exact_geodesic_distances(mesh, centre, reach=width))
+    inside = np.isfinite(distances_from(mesh, centre, reach=width))
     return inside.astype(np.float64)
 
 
@@ -190,7 +190,7 @@ def _closer_than(mesh: Mesh, centre: int, separation: float) -> Truths:
     """Vertices nearer to `centre` than the separation, and `centre` itself."""
     closer: Truths = np.arange(mesh.n_vertices) == centre
     if separation > 0:
-        closer = closer | (exact_geodesic_distances(mesh, centre, reach=separation) < separation)
+        closer = closer | (distances_from(mesh, centre, reach=separation) < separation)
     return closer
 
 

@@ -27,7 +27,7 @@ from auricle.surface.filling import extend_over_caps
 from auricle.surface.mesh import Mesh
 from auricle.surface.reading import read_surface
 from auricle.surface.simplification import simplify
-from auricle.surface.soundness import soundness
+from auricle.surface.soundness import soundness, zero_area_remark
 from auricle.surface.transfer import transfer
 
 GEOMETRY_COUNTS = (5, 10, 20, 50, 100, 150, 250, 350, 500, 700, 1000, 1500, 2000)
@@ -239,6 +239,8 @@ def _remarks(
     """What of the analysis itself the reader of the result should know."""
     if analysis.surface is cleaned.mesh:
         yield f"the surface has {cleaned.mesh.n_vertices} vertices and was not simplified"
+    if cleaned.soundness.n_zero_area_faces:
+        yield zero_area_remark(cleaned.soundness)
     if analysis.capped.cap_areas:
         share = sum(analysis.capped.cap_areas) / analysis.basis.area
         yield (

@@ -12,9 +12,13 @@ import potpourri3d
 from numpy.typing import ArrayLike
 
 from auricle.arrays import Faces, Integers, PerVertex, Points, Truths
-from auricle.errors import InputError
+from auricle.errors import InputError, SurfaceError
 from auricle.surface.mesh import Mesh
+from auricle.surface.soundness import triangle_quality
 from auricle.surface.topology import pieces
+
+POOREST_QUALITY = 1e-5
+"""Shape quality (1: equilateral) below which exact distances are refused: at 1e-9 libigl hangs."""
 
 
 class GeodesicDistances:
@@ -89,6 +93,19 @@ def geodesic_distances(mesh: Mesh, sources: ArrayLike) -> PerVertex:
     return GeodesicDistances(mesh).from_vertices(sources)
 
 
+def distances_from(mesh: Mesh, source: int, *, reach: float = np.inf) -> PerVertex:
+    """Distances along the surface from one vertex: exact where the triangles allow it.
+
+    Where a triangle is as good as degenerate the heat method takes over, which copes with it;
+    it is off by a fraction of an edge length. Arguments, result and errors as those of
+    `exact_geodesic_distances`.
+    """
+    if triangle_quality(mesh).min() > POOREST_QUALITY:
+        return exact_geodesic_distances(mesh, source, reach=reach)
+    distance = geodesic_distances(mesh, [source])
+    return np.where(distance <= reach, distance, np.inf)
+
+
 def exact_geodesic_distances(mesh: Mesh, source: int, *, reach: float = np.inf) -> PerVertex:
     """Length of the shortest path over the triangles from one vertex, for those within reach.
 
@@ -113,6 +130,8 @@ def exact_geodesic_distances(mesh: Mesh, source: int, *, reach: float = np.inf) 
     ------
     InputError
         If the index is out of range or the reach is not positive.
+    SurfaceError
+        If a triangle is as good as degenerate: the search for paths need not end there.
 
     Examples
     --------
@@ -124,6 +143,8 @@ def exact_geodesic_distances(mesh: Mesh, source: int, *, reach: float = np.inf) 
     _checked([source], mesh.n_vertices)
     if not reach > 0:
         raise InputError(f"a reach of {reach} mm: give a positive distance")
+    if triangle_quality(mesh).min() <= POOREST_QUALITY:
+        raise SurfaceError("a triangle is degenerate: exact distances need triangles with area")
     offsets = mesh.vertices - mesh.vertices[source]
     faces = mesh.faces[_faces_within(offsets, mesh.faces, reach)]
     distance = np.full(mesh.n_vertices, np.inf)

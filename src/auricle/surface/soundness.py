@@ -162,6 +162,14 @@ def require_sound(found: Soundness) -> None:
             raise SurfaceError(fault if count is True else f"{count} {fault}")
 
 
+def zero_area_remark(found: Soundness) -> str:
+    """What to tell of faces without area: they are kept, and which Laplacian copes with them."""
+    return (
+        f"{found.n_zero_area_faces} faces without area kept: where simplification leaves them, the "
+        "intrinsic Delaunay Laplacian and distances by the heat method cope with them"
+    )
+
+
 def triangle_quality(mesh: Mesh) -> PerFace:
     """4√3·area / Σ edge² of each face, shape (f,): 1 for equilateral, 0 for no area.
 
