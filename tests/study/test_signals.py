@@ -36,3 +36,21 @@ def test_only_known_vertices_count_for_the_error_and_the_unsampled_share() -> No
     signal = analyzed_signal(BASIS, field=field, on_shell=filled, kind="field", title="map")
     assert signal.unsampled_share == pytest.approx(1 / 3, abs=0.03)
     np.testing.assert_allclose(signal.nrmse, measured_nrmse(BASIS, filled, known))
+
+
+def test_everywhere_known_a_count_for_an_error_is_the_count_for_its_share() -> None:
+    field = FieldMap(SPHERE, MAP, "map")
+    signal = analyzed_signal(BASIS, field=field, on_shell=MAP, kind="field", title="map")
+    for promised, measured in zip(signal.criteria[:4], signal.for_error, strict=True):
+        assert promised.nrmse == measured.nrmse
+        assert promised.need == measured.need
+
+
+def test_a_map_rougher_where_it_is_known_takes_more_for_an_error_than_its_spectrum_says() -> None:
+    x = SPHERE.vertices[:, 0]
+    known = x < -10
+    rough = np.where(known, np.sin(SPHERE.vertices[:, 2] / 3), 0.0) + 3 * np.exp(x / 10)
+    field = FieldMap(SPHERE, np.where(known, rough, np.nan), "map")
+    signal = analyzed_signal(BASIS, field=field, on_shell=rough, kind="field", title="map")
+    assert signal.criteria[1].need.n_modes < 20
+    assert signal.for_error[1].need is None
