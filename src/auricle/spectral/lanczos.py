@@ -70,7 +70,7 @@ def eigenpairs_near(
     projected = np.zeros((block * n_steps, block * n_steps))
     for step in range(n_steps):
         here = slice(step * block, (step + 1) * block)
-        image = factors.solve(own[:, here])
+        image = factors.solve(own[:, here], refine=True)
         if step:
             before = slice((step - 1) * block, step * block)
             image -= own[:, before] @ coupling.T

@@ -13,7 +13,12 @@ from scipy import sparse
 from auricle.arrays import Floats
 from auricle.errors import SolverError
 from auricle.progress import Progress, silent
-from auricle.spectral.factorization import ShiftedFactorization, factorize
+from auricle.spectral.factorization import (
+    ShiftedFactorization,
+    SymbolicFactorization,
+    analyze,
+    factorize,
+)
 from auricle.spectral.lanczos import RitzPairs, eigenpairs_near
 
 _BLOCK, _WIDEST_BLOCK, _STEPS = 8, 32, 40
@@ -113,9 +118,10 @@ def lowest_eigenpairs(
     SolverError
         If eigenvalues that inertia counts cannot be found after many restarts.
     """
+    symbolic = analyze(matrix)
     ladder = _Ladder(np.empty(0), [], certified=-1 / density)
     while ladder.n_certified <= count:
-        factors = _next_shift(matrix, ladder, count=count, density=density)
+        factors = _next_shift(matrix, symbolic, ladder, count=count, density=density)
         _climb(factors, ladder, rng=rng)
         found, width = factors.n_below - ladder.n_certified, factors.shift - ladder.certified
         density = max(found, 1) / width
@@ -127,16 +133,21 @@ def lowest_eigenpairs(
 
 
 def _next_shift(
-    matrix: sparse.csc_array, ladder: _Ladder, *, count: int, density: float
+    matrix: sparse.csc_array,
+    symbolic: SymbolicFactorization,
+    ladder: _Ladder,
+    *,
+    count: int,
+    density: float,
 ) -> ShiftedFactorization:
     """The next shift up: half a slice above what is known, and not many more than that."""
     known = len(ladder.values)
     wanted = min(count + 3, known + _REACH) - ladder.n_certified
     step = max(wanted, 3) / density
-    factors = factorize(matrix, ladder.certified + step)
+    factors = factorize(matrix, ladder.certified + step, symbolic=symbolic)
     while factors.n_below - known > _SLICE:
         step /= 2
-        nearer = factorize(matrix, ladder.certified + step)
+        nearer = factorize(matrix, ladder.certified + step, symbolic=symbolic)
         if nearer.n_below <= known:
             break  # a cluster wider than a slice: climb it whole
         factors = nearer

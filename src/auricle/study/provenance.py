@@ -8,7 +8,16 @@ from pathlib import Path
 from auricle import __version__
 from auricle.study.result import Source
 
-_LIBRARIES = ("numpy", "scipy", "robust-laplacian", "libigl", "potpourri3d", "vtk", "trimesh")
+_LIBRARIES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "robust-laplacian",
+    "libigl",
+    "potpourri3d",
+    "vtk",
+    "trimesh",
+)
 
 
 def source_of(path: Path) -> Source:

@@ -1,0 +1,19 @@
+"""Functions compiled to machine code on first use, and kept compiled between runs."""
+
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar, cast
+
+from numba import njit
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function to machine code, which runs without the interpreter's lock.
+
+    The code is made at the first call with arguments of a kind. It is cached beside the source
+    file or, where that is read-only, in the user's cache folder; `NUMBA_CACHE_DIR` names another.
+    Indices are not checked, as in C.
+    """
+    return cast(Callable[P, R], njit(cache=True, nogil=True)(function))

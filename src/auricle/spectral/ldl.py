@@ -1,0 +1,364 @@
+"""Block LDLᵀ factors of a sparse symmetric indefinite matrix, by multifrontal elimination."""
+
+import numpy as np
+
+from auricle.arrays import Floats, Truths
+from auricle.compiled import compiled
+from auricle.spectral.elimination import EliminationPlan
+
+_DOMINANCE = 0.3
+"""A diagonal entry this large against the rest of its column is a pivot, else half of a pair."""
+_STRIP = 64
+"""Rows of a strip of a Schur complement, whose lower triangle is stored strip by strip."""
+_LARGEST_PRODUCT = 64**3
+"""Multiplications in one matrix product.
+
+OpenBLAS shares larger ones out among threads, which on a busy machine is thirty times slower, and
+makes the last digits depend on the number of threads.
+"""
+
+
+def eliminate(
+    plan: EliminationPlan, data: Floats, shift: float, least_pivots: Floats
+) -> tuple[Floats, int] | None:
+    """Factors of (matrix − shift·I), and how many eigenvalues of the matrix are below the shift.
+
+    A panel of the result holds the inverse of its supernode's diagonal block and, below it, L.
+    Pivots are sought within the diagonal block, one or two at a time, and never outside of it.
+
+    Parameters
+    ----------
+    plan
+        Of the matrix's pattern.
+    data
+        The stored values of the matrix, in the order of the pattern that was planned.
+    shift
+        Taken from the diagonal.
+    least_pivots
+        Shape (n,), by column in order of elimination: a pivot no larger than that is refused.
+
+    Returns
+    -------
+    tuple or None
+        Panels, shape (plan.panel_start[-1],), and the count; None where a pivot was refused.
+    """
+    panels = np.empty(int(plan.panel_start[-1]))
+    stack = np.empty(_stack_size(plan))
+    n_below = _eliminate(plan, (data, shift, least_pivots), stack, panels)
+    return None if n_below < 0 else (panels, int(n_below))
+
+
+@compiled
+def _eliminate(
+    plan: EliminationPlan, values: tuple[Floats, float, Floats], stack: Floats, panels: Floats
+) -> int:
+    """Fill `panels`; returns the number of negative eigenvalues, or -1 at a refused pivot."""
+    data, shift, least_pivots = values
+    front = np.empty(_largest_panel(plan))
+    waiting = np.empty(len(plan.parent) + 1, np.int64)
+    begins = np.zeros(len(plan.parent) + 2, np.int64)
+    n_waiting, n_below = 0, 0
+    for s in range(len(plan.parent)):
+        first, end = plan.first_column[s], plan.first_column[s + 1]
+        panel = front[: plan.panel_start[s + 1] - plan.panel_start[s]]
+        _assemble(plan, s, data, shift, panel)
+        oldest = n_waiting
+        while oldest > 0 and plan.parent[waiting[oldest - 1]] == s:
+            oldest -= 1
+            _subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
+        factor = panels[plan.panel_start[s] : plan.panel_start[s + 1]]
+        n_negative = _invert(panel, least_pivots[first:end], factor)
+        if n_negative < 0:
+            return -1
+        n_below += n_negative
+        complement = stack[begins[n_waiting] :]
+        _multiply(panel, end - first, factor, complement)
+        for child in range(oldest, n_waiting):
+            _add_to_complement(plan, waiting[child], stack[begins[child] :], complement)
+        size = _complement_size(plan.row_start[s + 1] - plan.row_start[s])
+        target = stack[begins[oldest] :]
+        for k in range(size):
+            target[k] = complement[k]
+        waiting[oldest] = s
+        begins[oldest + 1] = begins[oldest] + size
+        n_waiting = oldest + 1
+    return n_below
+
+
+@compiled
+def _assemble(plan: EliminationPlan, s: int, data: Floats, shift: float, panel: Floats) -> None:
+    """Set a panel to the entries of (matrix − shift·I)."""
+    panel[:] = 0.0
+    for e in range(plan.entry_start[s], plan.entry_start[s + 1]):
+        panel[plan.entry_target[e]] += data[plan.entry_source[e]]
+    width = plan.first_column[s + 1] - plan.first_column[s]
+    for k in range(width):
+        panel[k * width + k] -= shift
+
+
+@compiled
+def _subtract_from_columns(
+    plan: EliminationPlan, child: int, complement: Floats, panel: Floats
+) -> None:
+    """Take from a panel what a child's Schur complement holds of its columns."""
+    mother = plan.parent[child]
+    width = plan.first_column[mother + 1] - plan.first_column[mother]
+    places = plan.places[plan.row_start[child] : plan.row_start[child + 1]]
+    inside = 0
+    for i in range(len(places)):
+        begin, row = _row_begin(i, len(places)), places[i] * width
+        inside += places[i] < width
+        for j in range(inside):
+            panel[row + places[j]] -= complement[begin + j]
+
+
+@compiled
+def _add_to_complement(
+    plan: EliminationPlan, child: int, complement: Floats, mothers: Floats
+) -> None:
+    """Hand on to the parent's Schur complement what a child's holds beyond the parent's columns."""
+    mother = plan.parent[child]
+    width = plan.first_column[mother + 1] - plan.first_column[mother]
+    height = plan.row_start[mother + 1] - plan.row_start[mother]
+    places = plan.places[plan.row_start[child] : plan.row_start[child + 1]]
+    inside = 0
+    while inside < len(places) and places[inside] < width:
+        inside += 1
+    for i in range(inside, len(places)):
+        begin = _row_begin(i, len(places))
+        row = _row_begin(places[i] - width, height) - width
+        if places[i] - places[inside] == i - inside:
+            for j in range(i - inside + 1):
+                mothers[row + places[inside] + j] += complement[begin + inside + j]
+        else:
+            for j in range(inside, i + 1):
+                mothers[row + places[j]] += complement[begin + j]
+
+
+@compiled
+def _multiply(panel: Floats, width: int, factor: Floats, complement: Floats) -> None:
+    """Complete a factor's panel, below its inverse, and the Schur complement (to subtract)."""
+    height = len(panel) // width - width
+    inverse = factor[: width * width].reshape((width, width))
+    under = panel[width * width :].reshape((height, width))
+    multipliers = factor[width * width :].reshape((height, width))
+    _multiply_rows(under, inverse, multipliers)
+    room = np.empty(_STRIP * _STRIP)
+    for first in range(0, height, _STRIP):
+        end = min(first + _STRIP, height)
+        begin = _row_begin(first, height)
+        for left in range(0, end, _STRIP):
+            right = min(left + _STRIP, end)
+            tile = room[: (end - first) * (right - left)].reshape((end - first, right - left))
+            np.dot(multipliers[first:end], under[left:right].T, tile)
+            for i in range(end - first):
+                for j in range(right - left):
+                    complement[begin + i * end + left + j] = tile[i, j]
+
+
+@compiled
+def _multiply_rows(left: Floats, right: Floats, product: Floats) -> None:
+    """Matrix product left·right, a few rows at a time."""
+    step = max(_LARGEST_PRODUCT // right.size, 1)
+    for first in range(0, len(left), step):
+        end = min(first + step, len(left))
+        np.dot(left[first:end], right, product[first:end])
+
+
+@compiled
+def _multiply_transposed(left: Floats, right: Floats, room: Floats, product: Floats) -> None:
+    """Matrix product leftᵀ·right, the sum of what a few rows at a time give."""
+    step = max(_LARGEST_PRODUCT // product.size, 1)
+    np.dot(left[:step].T, right[:step], product)
+    piece = room[: product.size].reshape(product.shape)
+    for first in range(step, len(left), step):
+        end = min(first + step, len(left))
+        np.dot(left[first:end].T, right[first:end], piece)
+        for i in range(product.shape[0]):
+            for j in range(product.shape[1]):
+                product[i, j] += piece[i, j]
+
+
+@compiled
+def _invert(panel: Floats, least_pivots: Floats, factor: Floats) -> int:
+    """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
+
+    By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
+    entry next to it, on the two together. Returns the number of negative pivots, which is that of
+    negative eigenvalues; -1 if a pivot is no larger than the least allowed.
+    """
+    size = len(least_pivots)
+    square = factor[: size * size].reshape((size, size))
+    for i in range(size):
+        for j in range(i + 1):
+            square[i, j] = square[j, i] = panel[i * size + j]
+    columns = np.empty((2, size))
+    left = np.ones(size, np.bool_)
+    n_left, n_negative = size, 0
+    while n_left > 0:
+        k = _largest(np.diag(square), left)
+        left[k] = False
+        pair = _largest(square[k], left)
+        beside = abs(square[k, pair]) if left[pair] else 0.0
+        if not max(abs(square[k, k]), beside) > least_pivots[k]:
+            return -1
+        if abs(square[k, k]) >= _DOMINANCE * beside:
+            n_negative += square[k, k] < 0
+            n_left -= 1
+            _sweep(square, k, columns)
+        else:
+            left[pair] = False
+            n_negative += 1
+            n_left -= 2
+            _sweep_pair(square, k, pair, columns)
+    for i in range(size * size):
+        factor[i] = -factor[i]
+    return n_negative
+
+
+@compiled
+def _largest(numbers: Floats, candidates: Truths) -> int:
+    """Index of the candidate of largest magnitude; 0 where there is none."""
+    found, largest = 0, -1.0
+    for i in range(len(numbers)):
+        if candidates[i] and abs(numbers[i]) > largest:
+            found, largest = i, abs(numbers[i])
+    return found
+
+
+@compiled
+def _sweep(square: Floats, k: int, columns: Floats) -> None:
+    """Exchange variable k of a symmetric system with its right-hand side."""
+    size = len(square)
+    inverse = 1 / square[k, k]
+    column = columns[0]
+    for j in range(size):
+        column[j] = square[k, j]
+    for i in range(size):
+        factor = column[i] * inverse
+        for j in range(size):
+            square[i, j] -= factor * column[j]
+    for i in range(size):
+        square[i, k] = square[k, i] = column[i] * inverse
+    square[k, k] = -inverse
+
+
+@compiled
+def _sweep_pair(square: Floats, k: int, pair: int, columns: Floats) -> None:
+    """Exchange two variables of a symmetric system with their right-hand sides."""
+    size = len(square)
+    determinant = square[k, k] * square[pair, pair] - square[k, pair] ** 2
+    a, c = square[pair, pair] / determinant, square[k, k] / determinant
+    b = -square[k, pair] / determinant
+    for j in range(size):
+        columns[0, j] = square[k, j]
+        columns[1, j] = square[pair, j]
+    for i in range(size):
+        one = columns[0, i] * a + columns[1, i] * b
+        other = columns[0, i] * b + columns[1, i] * c
+        for j in range(size):
+            square[i, j] -= one * columns[0, j] + other * columns[1, j]
+    for i in range(size):
+        square[i, k] = square[k, i] = columns[0, i] * a + columns[1, i] * b
+        square[i, pair] = square[pair, i] = columns[0, i] * b + columns[1, i] * c
+    square[k, k], square[pair, pair] = -a, -c
+    square[k, pair] = square[pair, k] = -b
+
+
+@compiled
+def substitute(plan: EliminationPlan, panels: Floats, columns: Floats) -> None:
+    """Solve with the factors in place; rows of `columns`, shape (n, b), in order of elimination."""
+    room = np.empty(2 * _tallest_panel(plan) * columns.shape[1])
+    for s in range(len(plan.parent)):
+        _substitute_forward(plan, s, panels, columns, room)
+    for s in range(len(plan.parent) - 1, -1, -1):
+        _substitute_backward(plan, s, panels, columns, room)
+
+
+@compiled
+def _substitute_forward(
+    plan: EliminationPlan, s: int, panels: Floats, columns: Floats, room: Floats
+) -> None:
+    """Take a supernode's part out of the rows under it."""
+    first, end = plan.first_column[s], plan.first_column[s + 1]
+    rows = plan.rows[plan.row_start[s] : plan.row_start[s + 1]]
+    width, n_right = end - first, columns.shape[1]
+    if len(rows) > 0:
+        begin = plan.panel_start[s] + width * width
+        under = panels[begin : plan.panel_start[s + 1]].reshape((len(rows), width))
+        update = room[: len(rows) * n_right].reshape((len(rows), n_right))
+        _multiply_rows(under, columns[first:end], update)
+        for k in range(len(rows)):
+            for j in range(n_right):
+                columns[rows[k], j] -= update[k, j]
+
+
+@compiled
+def _substitute_backward(
+    plan: EliminationPlan, s: int, panels: Floats, columns: Floats, room: Floats
+) -> None:
+    """Solve for a supernode's part, the rows under it being known."""
+    first, end = plan.first_column[s], plan.first_column[s + 1]
+    rows = plan.rows[plan.row_start[s] : plan.row_start[s + 1]]
+    width, n_right = end - first, columns.shape[1]
+    height = width + len(rows)
+    panel = panels[plan.panel_start[s] : plan.panel_start[s + 1]].reshape((height, width))
+    gathered = room[: height * n_right].reshape((height, n_right))
+    for k in range(width):
+        for j in range(n_right):
+            gathered[k, j] = columns[first + k, j]
+    for k in range(len(rows)):
+        for j in range(n_right):
+            gathered[width + k, j] = -columns[rows[k], j]
+    _multiply_transposed(panel, gathered, room[height * n_right :], columns[first:end])
+
+
+@compiled
+def _row_begin(row: int, n_rows: int) -> int:
+    """Where a row of a stored Schur complement begins."""
+    strip = row // _STRIP
+    end = min((strip + 1) * _STRIP, n_rows)
+    return _STRIP * _STRIP * strip * (strip + 1) // 2 + (row - strip * _STRIP) * end
+
+
+@compiled
+def _complement_size(n_rows: int) -> int:
+    """Count the entries of a stored Schur complement."""
+    return _row_begin(n_rows - 1, n_rows) + n_rows if n_rows > 0 else 0
+
+
+def working_size(plan: EliminationPlan) -> int:
+    """Numbers that an elimination holds besides its panels."""
+    return int(_stack_size(plan)) + int(_largest_panel(plan))
+
+
+@compiled
+def _stack_size(plan: EliminationPlan) -> int:
+    """Most entries that waiting Schur complements and the newest take at one time."""
+    from_children = np.zeros(len(plan.parent) + 1, np.int64)
+    height, highest = 0, 0
+    for s in range(len(plan.parent)):
+        own = _complement_size(plan.row_start[s + 1] - plan.row_start[s])
+        highest = max(highest, height + own)
+        height += own - from_children[s]
+        from_children[plan.parent[s]] += own
+    return highest
+
+
+@compiled
+def _largest_panel(plan: EliminationPlan) -> int:
+    """Entries of the largest panel."""
+    largest = 0
+    for s in range(len(plan.parent)):
+        largest = max(largest, plan.panel_start[s + 1] - plan.panel_start[s])
+    return largest
+
+
+@compiled
+def _tallest_panel(plan: EliminationPlan) -> int:
+    """Columns of the supernode, and rows under them, of the tallest panel."""
+    tallest = 0
+    for s in range(len(plan.parent)):
+        width = plan.first_column[s + 1] - plan.first_column[s]
+        tallest = max(tallest, width + plan.row_start[s + 1] - plan.row_start[s])
+    return tallest
