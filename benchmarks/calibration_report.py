@@ -214,10 +214,14 @@ def main() -> None:
     text = f"""# Calibration
 
 Written by `benchmarks/calibration_report.py` from {len(cells):,} cells of
-`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`. Maps are
-simulated on real left atria: {anatomies}, simplified to 5,000 vertices; 1,000 harmonics; {n_seeds} maps a
-cell. Designs: farthest points, pivoted QR, random by area, and `catheter`: a 20-pole star put down at
-random. Noise: 0, 5 and 20 % of the map's deviation, not told to the method. Error: nRMSE over the area
+`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`.
+Maps are
+simulated on real left atria: {anatomies}, simplified to 5,000 vertices; 1,000 harmonics;
+{n_seeds} maps a
+cell. Designs: farthest points, pivoted QR, random by area, and `catheter`: a 20-pole star put
+down at
+random. Noise: 0, 5 and 20 % of the map's deviation, not told to the method. Error: nRMSE over the
+area
 that can be sampled.
 
 ## Does the 95 % interval cover 95 %?
@@ -230,23 +234,28 @@ By class and by noise, all designs and numbers:
 {table(["", "std", "with detail"], _coverage_by(cells))}
 
 ## Against what mapping systems do
-Share of cells (anatomy × class × design × N × noise, median over seeds) with a smaller error than each:
+Share of cells (anatomy × class × design × N × noise, median over seeds) with a smaller error than
+each:
 
 {wins_table(cells)}
 
-Samples that each method needs for the error auricle has with 100, over 100 (farthest points, median;
+Samples that each method needs for the error auricle has with 100, over 100 (farthest points,
+median;
 `>`: not reached with 800):
 
 {points_table(cells, "100")}
 
 ## The recommended number of points (`auricle plan`)
-Fresh maps, sampled at as many farthest points as recommended; "needed" is the first number of a ladder
-(steps of 1.3) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5 and 20 %.
+Fresh maps, sampled at as many farthest points as recommended; "needed" is the first number of a
+ladder
+(steps of 1.3) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5 and 20
+%.
 
 {recommendation_table(advised)}
 
 ## Errors
-Median nRMSE over anatomies and seeds at 5 % noise. Predicted: by the fitted process; planned: before any
+Median nRMSE over anatomies and seeds at 5 % noise. Predicted: by the fitted process; planned:
+before any
 sample, from other maps of the class. Ratios: median (10–90 %).
 
 {error_table(cells, "0.05")}
