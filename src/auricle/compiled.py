@@ -17,3 +17,12 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     Indices are not checked, as in C.
     """
     return cast(Callable[P, R], njit(cache=True, nogil=True)(function))
+
+
+def compiled_loosely(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile as `compiled`, allowed to add up in another order, so that sums use whole vectors.
+
+    For one machine and version the order, and so every digit, is always the same.
+    """
+    loose = njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+    return cast(Callable[P, R], loose(function))

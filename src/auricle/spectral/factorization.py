@@ -20,7 +20,7 @@ _COLUMNS = 64
 """Right-hand sides solved for at a time."""
 _LARGEST_BACKWARD_ERROR = 1e-7
 """Of a trial solve; above it the shift is moved. One refinement takes this to rounding."""
-_REFINED_ABOVE = 1e-10
+_REFINED_ABOVE = 3e-12
 """Backward error above which solves are refined unasked: eigenpairs need 1e-9."""
 
 

@@ -1,5 +1,6 @@
 """Manifold harmonics: the eigenfunctions of a surface's Laplacian, complete and certified."""
 
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ LARGEST_ORTHOGONALITY_ERROR = 1e-10
 _DENSE_SIZE = 1_500
 _DENSE_SHARE = 1 / 4
 _CLUSTER_GAP = 1e-7
+_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class Harmonics:
 
 
 def manifold_harmonics(
-    mesh: Mesh, n_modes: int, *, seed: int = 1, progress: Progress = silent
+    mesh: Mesh, n_modes: int, *, seed: int = 1, threads: int = 2, progress: Progress = silent
 ) -> Harmonics:
     """The first `n_modes` manifold harmonics of a mesh: complete and certified, or refused.
 
@@ -164,6 +166,9 @@ def manifold_harmonics(
         eigenvalues the whole cluster is returned.
     seed
         Of the solver's starting vectors; the same seed gives the same digits.
+    threads
+        How many neighbouring slices of the spectrum are searched at one time, 1 or 2; the digits
+        are the same.
     progress
         Told the number of harmonics found.
 
@@ -191,20 +196,22 @@ def manifold_harmonics(
         raise InputError(
             f"{n_modes} harmonics of {mesh.n_vertices} vertices: ask for 1 to {mesh.n_vertices - 1}"
         )
-    # The matrix products here are narrow: a second thread gains little, and on shared cores it
-    # costs many times over. One thread also gives the same digits everywhere.
-    with threadpool_limits(1, user_api="blas"):
-        return _solved(laplacian(mesh), n_modes, seed=seed, progress=progress)
+    # Slices of the spectrum are the parts of the work that run side by side: in the narrow matrix
+    # products of each a second thread gains little, and on shared cores it costs many times over.
+    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(threads) as pool:
+        return _solved(laplacian(mesh), n_modes, seed=seed, pool=pool, progress=progress)
 
 
-def _solved(operator: Laplacian, n_modes: int, *, seed: int, progress: Progress) -> Harmonics:
+def _solved(
+    operator: Laplacian, n_modes: int, *, seed: int, pool: Executor, progress: Progress
+) -> Harmonics:
     matrix = _symmetrized(operator)
     scale = 4 * np.pi / operator.areas.sum()
     n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
         method = "dense LAPACK"
         values, vectors = eigh(matrix.toarray(), driver="evd")
-        pairs = LowestPairs(values, vectors, ())
+        pairs = LowestPairs(values, vectors.T, ())
     else:
         method = "block Lanczos with spectrum slicing"
         pairs = lowest_eigenpairs(
@@ -212,10 +219,14 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, progress: Progress)
             n_modes,
             density=1 / scale,
             rng=np.random.default_rng(seed),
+            pool=pool,
             progress=progress,
         )
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
-    return _certified(operator, matrix, pairs, n_asked=n_modes, n_modes=n_returned, method=method)
+    found = LowestPairs(
+        pairs.values, _orthonormalized(pairs.vectors[:n_returned], pool), pairs.retries
+    )
+    return _certified(operator, matrix, found, n_asked=n_modes, method=method, pool=pool)
 
 
 def _symmetrized(operator: Laplacian) -> sparse.csc_array:
@@ -237,17 +248,18 @@ def _certified(
     pairs: LowestPairs,
     *,
     n_asked: int,
-    n_modes: int,
     method: str,
+    pool: Executor,
 ) -> Harmonics:
-    """Harmonics with their certificate, from eigenpairs of the symmetrised matrix."""
-    vectors = _orthonormalized(pairs.vectors[:, :n_modes])
-    values = np.einsum("nk,nk->k", vectors, matrix @ vectors)
-    residuals = np.linalg.norm(matrix @ vectors - vectors * values, axis=0)
+    """Harmonics with their certificate, from eigenpairs of the symmetrised matrix.
+
+    There may be more of `pairs.values` than of the vectors: the next one places the last gap.
+    """
+    rows, n_modes = pairs.vectors, len(pairs.vectors)
+    values, residuals = _rayleigh_quotients(matrix, rows, pool)
     n_zero = int((values < _CLUSTER_GAP * 4 * np.pi / operator.areas.sum()).sum())
     first = values[n_zero] if n_zero < n_modes else 4 * np.pi / operator.areas.sum()
     values = np.where(np.arange(n_modes) < n_zero, 0.0, values)
-    overlap = vectors.T @ vectors
     following = pairs.values[n_modes] if n_modes < len(pairs.values) else 2 * values[-1]
     count = factorize(matrix, 0.5 * (float(values[-1]) + float(following)))
     certificate = Certificate(
@@ -256,24 +268,64 @@ def _certified(
         gap_per_mm2=count.shift,
         eigenvalues_below_gap=count.n_below,
         largest_residual=float((residuals / np.maximum(values, first)).max()),
-        largest_orthogonality_error=float(np.abs(overlap - np.eye(n_modes)).max()),
+        largest_orthogonality_error=float(np.abs(_overlap(rows, pool)).max()),
         n_zero_modes=n_zero,
         method=method,
         retries=pairs.retries,
     )
     _require_certificate(certificate)
-    modes = vectors / np.sqrt(operator.areas)[:, None]
-    peaks = np.abs(modes).argmax(axis=0)
-    signs = np.sign(modes[peaks, np.arange(n_modes)])
-    return Harmonics(values, modes * signs, operator.areas, operator.kind, certificate)
+    rows = rows / np.sqrt(operator.areas)
+    peaks = np.take_along_axis(rows, np.abs(rows).argmax(axis=1)[:, None], axis=1)
+    rows *= np.sign(peaks)
+    return Harmonics(values, rows.T, operator.areas, operator.kind, certificate)
 
 
-def _orthonormalized(vectors: Floats) -> Floats:
-    """The nearest orthonormal columns, by a Newton-Schulz step of the polar decomposition."""
-    correction = vectors.T @ vectors
-    correction[np.diag_indices_from(correction)] -= 1.0
-    orthonormal: Floats = vectors - vectors @ (0.5 * correction)
+def _orthonormalized(rows: Floats, pool: Executor) -> Floats:
+    """The nearest orthonormal rows, by a Newton-Schulz step of the polar decomposition."""
+    lower = _overlap(rows, pool)
+    correction = 0.5 * (np.tril(lower, -1) + np.tril(lower).T)
+    orthonormal = np.empty_like(rows)
+
+    def fill(some: slice) -> None:
+        np.subtract(rows[some], correction[some] @ rows, out=orthonormal[some])
+
+    list(pool.map(fill, _slices(len(rows), -(-len(rows) // 4))))
     return orthonormal
+
+
+def _overlap(rows: Floats, pool: Executor) -> Floats:
+    """Inner products of all rows less those of orthonormal ones: the lower triangle, shape (k, k).
+
+    Half the work of a general product, since it is symmetric.
+    """
+    products = np.zeros((len(rows), len(rows)))
+
+    def fill(some: slice) -> None:
+        np.matmul(rows[some], rows[: some.stop].T, out=products[some, : some.stop])
+
+    list(pool.map(fill, _slices(len(rows), _AT_ONCE)))
+    products[np.diag_indices_from(products)] -= 1.0
+    return np.tril(products)
+
+
+def _rayleigh_quotients(
+    matrix: sparse.csc_array, rows: Floats, pool: Executor
+) -> tuple[PerMode, PerMode]:
+    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,)."""
+    values, residuals = np.empty(len(rows)), np.empty(len(rows))
+
+    def fill(some: slice) -> None:
+        vectors = np.ascontiguousarray(rows[some].T)
+        images = matrix @ vectors
+        values[some] = np.einsum("nk,nk->k", vectors, images)
+        residuals[some] = np.linalg.norm(images - vectors * values[some], axis=0)
+
+    list(pool.map(fill, _slices(len(rows), _AT_ONCE)))
+    return values, residuals
+
+
+def _slices(count: int, size: int) -> list[slice]:
+    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
 
 
 def _require_certificate(certificate: Certificate) -> None:

@@ -1,105 +1,134 @@
 """Block Lanczos iteration on a shifted inverse: the eigenpairs nearest to one shift."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.linalg import eigh
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
+from auricle.spectral.gram_schmidt import orthogonalize, orthonormal
 
-_MUCH = 1e-9
 
-
-@dataclass(frozen=True, eq=False)
-class RitzPairs:
-    """Converged eigenpairs near a shift.
+@dataclass(frozen=True)
+class Effort:
+    """How much a run may take.
 
     Attributes
     ----------
-    values
-        Eigenvalues, shape (c,), ascending.
-    vectors
-        Orthonormal eigenvectors, shape (n, c).
+    block
+        Width of the block: the most copies of one eigenvalue that are sure to be found.
+    steps
+        Numbers of blocks after which convergence is looked at, ascending; the last one ends it.
+    tolerance
+        A pair counts as converged when the residual of its inverse eigenproblem, relative to its
+        inverse eigenvalue, is below this.
     """
 
-    values: Floats
-    vectors: Floats
+    block: int
+    steps: tuple[int, ...]
+    tolerance: float
 
 
-def eigenpairs_near(
-    factors: ShiftedFactorization,
-    known: Floats,
-    *,
-    block: int,
-    n_steps: int,
-    tolerance: float,
-    rng: np.random.Generator,
-) -> RitzPairs:
-    """Eigenpairs of the factored matrix nearest to its shift, apart from those already known.
+class LanczosRun:
+    """A search for the eigenpairs nearest to a shift, apart from those already known.
 
     Block Lanczos with full reorthogonalisation, on the inverse of (matrix − shift·I), started at
-    random and kept orthogonal to `known`, so what it finds is new, also within a cluster of equal
-    eigenvalues.
+    random and kept orthogonal to what is known, so what it finds is new, also within a cluster of
+    equal eigenvalues. It can be taken up again where it ended.
 
     Parameters
     ----------
     factors
         Of the shifted matrix.
     known
-        Orthonormal eigenvectors to stay orthogonal to, shape (n, c); may have no columns.
-    block, n_steps
-        Width of the block and number of blocks in the basis.
-    tolerance
-        A pair counts as converged when the residual of its inverse eigenproblem, relative to its
-        inverse eigenvalue, is below this.
+        Orthonormal eigenvectors to stay orthogonal to, one a row, shape (c, n); c may be 0.
+    effort
+        Width and length of the run.
     rng
         Source of the starting block.
+
+    Attributes
+    ----------
+    factors
+        As given.
+    values
+        Eigenvalues that have converged, ascending.
 
     References
     ----------
     Grimes, Lewis & Simon 1994, "A shifted block Lanczos algorithm …".
     """
-    n, n_known = known.shape
-    basis = np.empty((n, n_known + block * (n_steps + 1)), order="F")
-    basis[:, :n_known] = known
-    own = basis[:, n_known:]
-    start = rng.standard_normal((n, block))
-    start -= known @ (known.T @ start)
-    own[:, :block], coupling = _orthonormal(start, known)
-    projected = np.zeros((block * n_steps, block * n_steps))
-    for step in range(n_steps):
-        here = slice(step * block, (step + 1) * block)
-        image = factors.solve(own[:, here], refine=True)
-        if step:
-            before = slice((step - 1) * block, step * block)
-            image -= own[:, before] @ coupling.T
-            projected[here, before] = coupling
-            projected[before, here] = coupling.T
-        diagonal = own[:, here].T @ image
-        image -= own[:, here] @ diagonal
-        projected[here, here] = (diagonal + diagonal.T) / 2
-        following, coupling = _orthonormal(image, basis[:, : n_known + here.stop])
-        own[:, here.stop : here.stop + block] = following
-    inverses, rotations = eigh(projected, driver="evd")
-    leftover = coupling @ rotations[-block:]
-    converged = np.linalg.norm(leftover, axis=0) <= tolerance * np.abs(inverses)
-    chosen = np.flatnonzero(converged)[np.argsort(factors.shift + 1 / inverses[converged])]
-    # One more step of inverse iteration costs nothing here: it is the basis's next block.
-    weights = np.concatenate([rotations[:, chosen], leftover[:, chosen] / inverses[chosen]])
-    vectors = own @ (weights / np.linalg.norm(weights, axis=0))
-    return RitzPairs(factors.shift + 1 / inverses[chosen], vectors)
 
+    def __init__(
+        self,
+        factors: ShiftedFactorization,
+        known: Floats,
+        *,
+        effort: Effort,
+        rng: np.random.Generator,
+    ) -> None:
+        self.factors, self.values = factors, np.empty(0)
+        self._effort, self._n_known, self._n_steps = effort, len(known), 0
+        block, most_steps = effort.block, max(effort.steps)
+        self._basis = np.empty((len(known) + block * (most_steps + 1), factors.size))
+        self._basis[: len(known)] = known
+        self._projected = np.zeros((block * most_steps, block * most_steps))
+        self._weights = np.empty((0, 0))
+        start = rng.standard_normal((factors.size, block)).T.copy()
+        orthogonalize(known, start)
+        self._basis[len(known) : len(known) + block], self._coupling = orthonormal(start)
 
-def _orthonormal(columns: Floats, basis: Floats) -> tuple[Floats, Floats]:
-    """Orthonormal columns and a triangle with columns ≈ orthonormal·triangle, orthogonal to basis.
+    def until(self, enough: Callable[[Floats], bool] | None = None) -> Self:
+        """Go on until the converged eigenvalues are enough, or the effort is spent.
 
-    The three-term recurrence has removed what of the basis should be in `columns`; this pass of
-    block Gram-Schmidt removes what rounding left, and a second one follows where that was much.
-    """
-    left = basis.T @ columns
-    columns = columns - basis @ left
-    if np.abs(left).max(initial=0.0) > _MUCH * np.linalg.norm(columns, axis=0).min():
-        columns -= basis @ (basis.T @ columns)
-    orthonormal, triangle = np.linalg.qr(columns)
-    return orthonormal, triangle
+        `enough` is told `values` whenever convergence is looked at; without it all the effort is
+        spent.
+        """
+        if enough and self._n_steps and enough(self.values):
+            return self
+        for n_steps in self._effort.steps:
+            if n_steps > self._n_steps:
+                self._extend(n_steps)
+                self._converge()
+                if enough and enough(self.values):
+                    break
+        return self
+
+    def vectors(self, first: int = 0) -> Floats:
+        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""
+        own = self._basis[self._n_known : self._n_known + len(self._weights)]
+        found: Floats = self._weights[:, first:].T @ own
+        return found
+
+    def _extend(self, n_steps: int) -> None:
+        """Lengthen the basis to `n_steps` blocks and the one that follows them."""
+        for step in range(self._n_steps, n_steps):
+            end = self._n_known + (step + 1) * self._effort.block
+            newest = self._basis[end - self._effort.block : end]
+            image = np.ascontiguousarray(self.factors.solve(newest.T).T)
+            # The whole basis, not just the last two blocks that exact arithmetic would need.
+            inside = orthogonalize(self._basis[:end], image)[self._n_known :]
+            here = slice(step * self._effort.block, (step + 1) * self._effort.block)
+            diagonal = inside[here]
+            self._projected[here, here] = (diagonal + diagonal.T) / 2
+            if step:
+                before = slice(here.start - self._effort.block, here.start)
+                self._projected[before, here] = self._coupling
+                self._projected[here, before] = self._coupling.T
+            self._basis[end : end + self._effort.block], self._coupling = orthonormal(image)
+        self._n_steps = n_steps
+
+    def _converge(self) -> None:
+        """Look at which eigenvalues have converged, and their weights in the basis."""
+        size = self._n_steps * self._effort.block
+        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
+        leftover = self._coupling.T @ rotations[-self._effort.block :]
+        good = np.linalg.norm(leftover, axis=0) <= self._effort.tolerance * np.abs(inverses)
+        values = self.factors.shift + 1 / inverses[good]
+        chosen = np.flatnonzero(good)[np.argsort(values)]
+        # One more step of inverse iteration costs nothing here: it is the basis's next block.
+        weights = np.concatenate([rotations[:, chosen], leftover[:, chosen] / inverses[chosen]])
+        self.values, self._weights = np.sort(values), weights / np.linalg.norm(weights, axis=0)

@@ -5,7 +5,10 @@ eigenvalues lie below, so that every pair has an absolute index and a missing on
 searched for again. ARPACK alone loses copies of repeated eigenvalues without a word.
 """
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -19,17 +22,22 @@ from auricle.spectral.factorization import (
     analyze,
     factorize,
 )
-from auricle.spectral.lanczos import RitzPairs, eigenpairs_near
+from auricle.spectral.lanczos import Effort, LanczosRun
 
-_BLOCK, _WIDEST_BLOCK, _STEPS = 8, 32, 40
-"""A Lanczos run of 40 steps with blocks of 8 finds 70 to 90 pairs of a generic surface.
+_BLOCK, _WIDEST_BLOCK = 8, 32
+"""Width of a run's block: of an ordinary one, and of one for wide clusters.
 
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run; the
 block widens from one search to the next and the number of steps, on which convergence rests, stays.
 """
-_REACH = 34
+_STEPS = (32, 40, 46, 52, 58, 64, 72, 80, 96)
+"""Blocks after which a run is looked at; 40 of 8 find 70 to 90 pairs of a generic surface."""
+_SEARCH_STEPS = (40,)
+_REACH = 50
 """Eigenvalues a run is trusted to find below its shift; it finds about as many above."""
 _SLICE = 2 * _REACH
+_AT_ONCE = 2
+_MARGIN = 4
 _TOLERANCE = 1e-11
 _AGREEMENT = 1e-8
 _RETRIES = 60
@@ -49,23 +57,27 @@ class _Ladder:
     retries: list[str] = field(default_factory=list)
 
     def add(self, values: Floats, vectors: Floats) -> None:
-        """Take in new pairs, one a column of `vectors`."""
+        """Take in new pairs, one a row of `vectors`."""
         together = np.concatenate([self.values, values])
-        columns = [*self.vectors, *vectors.T]
+        rows = [*self.vectors, *vectors]
         order = np.argsort(together, kind="stable")
         self.values = together[order]
-        self.vectors = [columns[i] for i in order]
+        self.vectors = [rows[i] for i in order]
 
-    def replace_above(self, kept: int, pairs: RitzPairs, first: int) -> None:
-        """Keep `kept` pairs above the certified ones, then go on with `pairs` from `first`."""
+    def replace_above(self, kept: int, run: LanczosRun, first: int) -> None:
+        """Keep `kept` pairs above the certified ones, then go on with the run's from `first`."""
         height = self.n_certified + kept
-        self.values = np.concatenate([self.values[:height], pairs.values[first:]])
-        self.vectors = [*self.vectors[:height], *pairs.vectors[:, first:].T]
+        self.values = np.concatenate([self.values[:height], run.values[first:]])
+        self.vectors = [*self.vectors[:height], *run.vectors(first)]
+
+    def certify(self, factors: ShiftedFactorization) -> None:
+        """Note that every eigenvalue under the shift is on the ladder."""
+        self.certified, self.n_certified = factors.shift, factors.n_below
 
     def from_value(self, low: float, n: int) -> Floats:
-        """Eigenvectors with eigenvalues from `low` up, shape (n, c)."""
-        columns = self.vectors[int(np.searchsorted(self.values, low)) :]
-        return np.stack(columns, axis=1) if columns else np.empty((n, 0))
+        """Eigenvectors with eigenvalues from `low` up, one a row, shape (c, n)."""
+        rows = self.vectors[int(np.searchsorted(self.values, low)) :]
+        return np.stack(rows) if rows else np.empty((0, n))
 
     def n_below(self, value: float) -> int:
         """How many eigenvalues on the ladder lie below `value`."""
@@ -79,7 +91,8 @@ class LowestPairs:
     Attributes
     ----------
     values, vectors
-        Eigenvalues, shape (c,), ascending, and nearly orthonormal eigenvectors, shape (n, c).
+        Eigenvalues, shape (c,), ascending, and nearly orthonormal eigenvectors, one a row, shape
+        (c, n).
     retries
         What had to be searched for again, one phrase each.
     """
@@ -95,6 +108,7 @@ def lowest_eigenpairs(
     *,
     density: float,
     rng: np.random.Generator,
+    pool: Executor,
     progress: Progress = silent,
 ) -> LowestPairs:
     """More than `count` lowest eigenpairs of a symmetric positive semi-definite matrix.
@@ -110,6 +124,9 @@ def lowest_eigenpairs(
         shift; later shifts follow the density met.
     rng
         Source of the starting blocks.
+    pool
+        Where neighbouring slices are searched at the same time. The digits do not depend on how
+        many threads it has.
     progress
         Told the number of eigenvalues certified.
 
@@ -121,71 +138,142 @@ def lowest_eigenpairs(
     symbolic = analyze(matrix)
     ladder = _Ladder(np.empty(0), [], certified=-1 / density)
     while ladder.n_certified <= count:
-        factors = _next_shift(matrix, symbolic, ladder, count=count, density=density)
-        _climb(factors, ladder, rng=rng)
-        found, width = factors.n_below - ladder.n_certified, factors.shift - ladder.certified
+        shifts = _next_shifts(matrix, symbolic, ladder, count=count, density=density)
+        found, width = shifts[-1].n_below - ladder.n_certified, shifts[-1].shift - ladder.certified
         density = max(found, 1) / width
-        ladder.certified, ladder.n_certified = factors.shift, factors.n_below
+        _climb(shifts, ladder, rng=rng, pool=pool)
         progress("harmonics", min(ladder.n_certified, count), count)
-    vectors = np.stack(ladder.vectors[: ladder.n_certified], axis=1)
+    vectors = np.stack(ladder.vectors[: ladder.n_certified])
     values = ladder.values[: ladder.n_certified]
     return LowestPairs(values, vectors, tuple(ladder.retries))
 
 
-def _next_shift(
+def _next_shifts(
     matrix: sparse.csc_array,
     symbolic: SymbolicFactorization,
     ladder: _Ladder,
     *,
     count: int,
     density: float,
+) -> tuple[ShiftedFactorization, ...]:
+    """The next shifts up, to be searched around at one time; the last of all only just beyond."""
+    known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
+    shifts: list[ShiftedFactorization] = []
+    while len(shifts) < _AT_ONCE and n_low <= count:
+        factors = _next_shift(matrix, symbolic, (low, n_low, known), count=count, density=density)
+        shifts.append(factors)
+        density = max(factors.n_below - n_low, 1) / (factors.shift - low)
+        low, n_low, known = factors.shift, factors.n_below, factors.n_below + _REACH
+    return tuple(shifts)
+
+
+def _next_shift(
+    matrix: sparse.csc_array,
+    symbolic: SymbolicFactorization,
+    height: tuple[float, int, int],
+    *,
+    count: int,
+    density: float,
 ) -> ShiftedFactorization:
-    """The next shift up: half a slice above what is known, and not many more than that."""
-    known = len(ladder.values)
-    wanted = min(count + 3, known + _REACH) - ladder.n_certified
+    """The next shift up: half a slice above what is known, and not many more than that.
+
+    `height` is the shift below, the number of eigenvalues under it, and of those known.
+    """
+    low, n_low, known = height
+    wanted = min(count + 3, known + _REACH) - n_low
     step = max(wanted, 3) / density
-    factors = factorize(matrix, ladder.certified + step, symbolic=symbolic)
+    factors = factorize(matrix, low + step, symbolic=symbolic)
     while factors.n_below - known > _SLICE:
         step /= 2
-        nearer = factorize(matrix, ladder.certified + step, symbolic=symbolic)
+        nearer = factorize(matrix, low + step, symbolic=symbolic)
         if nearer.n_below <= known:
             break  # a cluster wider than a slice: climb it whole
         factors = nearer
     return factors
 
 
-def _climb(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Generator) -> None:
-    """Put every eigenpair under the shift on the ladder, and those found on the way above it."""
-    alone = np.empty((factors.size, 0))
-    pairs = _nearest(factors, alone, _BLOCK, rng)
-    if not _splice(ladder, pairs, factors):
-        _search(factors, ladder, rng=rng)
+def _climb(
+    shifts: Sequence[ShiftedFactorization],
+    ladder: _Ladder,
+    *,
+    rng: np.random.Generator,
+    pool: Executor,
+) -> None:
+    """Put every eigenpair under the shifts on the ladder, and those found on the way above them."""
+    between = np.diff([ladder.n_certified, *(factors.n_below for factors in shifts)])
+    runs = [
+        pool.submit(_run, factors, own, _reaches(ladder, factors, n_here, n_above, first=not i))
+        for i, (factors, own, n_here, n_above) in enumerate(
+            zip(shifts, rng.spawn(len(shifts)), between, [*between[1:], 0], strict=True)
+        )
+    ]
+    for submitted in runs:
+        run = submitted.result()
+        factors = run.factors
+        run.until(partial(_joins, ladder, factors))
+        junction = _junction(ladder, run.values, factors)
+        if junction is None:
+            _search(factors, ladder, rng=rng)
+        else:
+            ladder.replace_above(junction[0], run, junction[1])
+        ladder.certify(factors)
 
 
-def _splice(ladder: _Ladder, pairs: RitzPairs, factors: ShiftedFactorization) -> bool:
-    """Join what two neighbouring shifts found between them, if together it is complete.
+def _run(
+    factors: ShiftedFactorization, rng: np.random.Generator, enough: Callable[[Floats], bool]
+) -> LanczosRun:
+    nothing = np.empty((0, factors.size))
+    effort = _effort(factors, _BLOCK, _STEPS)
+    return LanczosRun(factors, nothing, effort=effort, rng=rng).until(enough)
 
-    The lower shift's pairs are taken up to a gap and the upper shift's from there on. The number
-    must be what inertia says, and where both reach over the gap their eigenvalues must agree.
+
+def _reaches(
+    ladder: _Ladder, factors: ShiftedFactorization, n_below: int, n_above: int, *, first: bool
+) -> Callable[[Floats], bool]:
+    """When a run has found what lies next to its shift: all below, or half of it each way.
+
+    The first of several joins the ladder; the others are searched before it has grown to them.
     """
-    low = ladder.values[ladder.n_certified :]
-    high = pairs.values[pairs.values > ladder.certified]
+
+    def enough(values: Floats) -> bool:
+        found_below = int(np.searchsorted(values, factors.shift))
+        if 2 * (len(values) - found_below) < n_above + _MARGIN:
+            return False
+        if first:
+            return _joins(ladder, factors, values)
+        return 2 * found_below >= n_below + _MARGIN
+
+    return enough
+
+
+def _joins(ladder: _Ladder, factors: ShiftedFactorization, values: Floats) -> bool:
+    return _junction(ladder, values, factors) is not None
+
+
+def _junction(
+    ladder: _Ladder, values: Floats, factors: ShiftedFactorization
+) -> tuple[int, int] | None:
+    """Where what two neighbouring shifts found between them joins, if together it is complete.
+
+    Far from its shift a run finds some eigenvalues and misses others. Up to a gap the lower
+    shift's pairs are taken and from there on the upper shift's; if their number is what inertia
+    says, none is missing. Of several such gaps the widest is taken.
+
+    Returns
+    -------
+    How many of the ladder's pairs above the certified ones to keep, and the index in `values` to
+    go on from; None if something is missing.
+    """
+    low = np.concatenate([[ladder.certified], ladder.values[ladder.n_certified :]])
     close = _AGREEMENT * (factors.shift - ladder.certified)
-    n_between = factors.n_below - ladder.n_certified
-    n_high = int(np.searchsorted(high, factors.shift))
-    first = n_between - n_high  # how many the upper shift did not reach
-    if not (len(high) and 0 <= first <= len(low)):
-        return False
-    overlap = min(len(low), n_between) - first
-    if np.abs(low[first : first + overlap] - high[:overlap]).max(initial=0.0) > close:
-        return False
-    joined = np.concatenate([[ladder.certified], low[:first], high])
-    gaps = np.diff(joined)[first : first + overlap + 1]
-    cut = int(np.argmax(gaps))
-    if gaps[cut] < close:
-        return False
-    ladder.replace_above(first + cut, pairs, len(pairs.values) - len(high) + cut)
-    return True
+    end = int(np.searchsorted(values, factors.shift))
+    following = np.searchsorted(values, low + close)
+    complete = np.arange(len(low)) + end - following == factors.n_below - ladder.n_certified
+    if not complete.any():
+        return None
+    gaps = np.append(values[:end], factors.shift)[np.minimum(following, end)] - low
+    kept = int(np.argmax(np.where(complete & (gaps > close), gaps, -np.inf)))
+    return (kept, int(following[kept])) if gaps[kept] > close else None
 
 
 def _search(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Generator) -> None:
@@ -196,10 +284,11 @@ def _search(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Ge
     while missing > 0 and attempt < _RETRIES:
         ladder.retries.append(f"{missing} eigenvalues below {factors.shift:.6g}/mm²")
         known = ladder.from_value(ladder.certified - reach, factors.size)
-        pairs = _nearest(factors, known, block, rng)
+        effort = _effort(factors, block, _SEARCH_STEPS)
+        run = LanczosRun(factors, known, effort=effort, rng=rng).until()
         # Under the certified height everything is known: what is met there again is left.
-        fresh = pairs.values > ladder.certified
-        ladder.add(pairs.values[fresh], pairs.vectors[:, fresh])
+        fresh = int(np.searchsorted(run.values, ladder.certified, side="right"))
+        ladder.add(run.values[fresh:], run.vectors(fresh))
         missing = factors.n_below - ladder.n_below(factors.shift)
         block, attempt = min(2 * block, _WIDEST_BLOCK), attempt + 1
     if missing:
@@ -209,14 +298,6 @@ def _search(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Ge
         )
 
 
-def _nearest(
-    factors: ShiftedFactorization, known: Floats, block: int, rng: np.random.Generator
-) -> RitzPairs:
-    return eigenpairs_near(
-        factors,
-        known,
-        block=block,
-        n_steps=min(_STEPS, factors.size // (2 * block)),
-        tolerance=_TOLERANCE,
-        rng=rng,
-    )
+def _effort(factors: ShiftedFactorization, block: int, steps: tuple[int, ...]) -> Effort:
+    most = factors.size // (2 * block)
+    return Effort(block, tuple(sorted({min(each, most) for each in steps})), _TOLERANCE)
