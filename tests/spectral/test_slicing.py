@@ -9,8 +9,8 @@ from scipy import sparse
 from auricle.errors import SolverError
 from auricle.spectral import slicing
 from auricle.spectral.factorization import factorize
-from auricle.spectral.laplacian import laplacian
 from auricle.spectral.lanczos import LanczosRun
+from auricle.spectral.laplacian import laplacian
 from auricle.spectral.slicing import lowest_eigenpairs
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import cube, icosphere, joined

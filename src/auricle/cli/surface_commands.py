@@ -3,7 +3,7 @@
 Everything heavy is imported when a command runs, so that help comes at once.
 """
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,6 +16,9 @@ from auricle.cli.options import (
     echo_notes,
     require_folder,
 )
+
+if TYPE_CHECKING:
+    from auricle.surface.soundness import Soundness
 
 
 def analyze(
@@ -139,11 +142,27 @@ def simplify(
     vertices: Annotated[
         int, typer.Option("--vertices", "-n", help="Number of vertices to reach.")
     ] = 10_000,
+    levels: Annotated[
+        str,
+        typer.Option(
+            metavar="N,N,…",
+            help="Several numbers of vertices instead, as in 50,500: FILE_50, FILE_500.",
+            show_default=False,
+        ),
+    ] = "",
     field: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME",
             help="Field to carry over; repeatable. Default: all.",
+            show_default=False,
+        ),
+    ] = None,
+    feature_weight: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="Let the fields decide too, a standard deviation of each counting for MM.",
             show_default=False,
         ),
     ] = None,
@@ -155,24 +174,46 @@ def simplify(
     from auricle.cli.progress import progress_bars
     from auricle.study.simplified import simplify_file
 
+    targets = {vertices: output}
+    if levels:
+        targets = {n: output.with_stem(f"{output.stem}_{n}") for n in _counts(levels)}
     with about(surface), progress_bars() as progress:
         outcome = simplify_file(
-            surface, output, n_vertices=vertices, fields=tuple(field or ()), progress=progress
+            surface,
+            targets,
+            fields=tuple(field or ()),
+            feature_weight=feature_weight,
+            progress=progress,
         )
     echo_notes(outcome.repairs)
-    for name, found in (("before", outcome.before), ("after", outcome.after)):
-        volume = "open" if found.volume_mm3 is None else f"{found.volume_mm3 / 1000:.2f} ml"
+    typer.echo(_measures("before", outcome.before))
+    for level in outcome.levels:
+        distance = level.distance
+        typer.echo(_measures("after", level.soundness))
         typer.echo(
-            f"{name:>6}: {found.n_vertices:,} vertices, {found.area_mm2 / 100:.2f} cm², {volume}, "
-            f"genus {found.genus}, {found.n_holes} holes"
+            f"distance to the simplified surface: mean {distance.mean:.4f} mm, "
+            f"rms {distance.rms:.4f} mm, 95 % {distance.percentile_95:.4f} mm, "
+            f"largest {distance.hausdorff:.4f} mm"
         )
-    distance = outcome.distance
-    typer.echo(
-        f"distance to the simplified surface: mean {distance.mean:.4f} mm, "
-        f"rms {distance.rms:.4f} mm, 95 % {distance.percentile_95:.4f} mm, "
-        f"largest {distance.hausdorff:.4f} mm"
+        typer.echo(str(level.path))
+
+
+def _counts(text: str) -> list[int]:
+    """Numbers in a list with commas."""
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError as fault:
+        raise typer.BadParameter(
+            f"{text!r}: give whole numbers with commas between", param_hint="--levels"
+        ) from fault
+
+
+def _measures(when: str, found: "Soundness") -> str:
+    volume = "open" if found.volume_mm3 is None else f"{found.volume_mm3 / 1000:.2f} ml"
+    return (
+        f"{when:>6}: {found.n_vertices:,} vertices, {found.area_mm2 / 100:.2f} cm², {volume}, "
+        f"genus {found.genus}, {found.n_holes} holes"
     )
-    typer.echo(str(output))
 
 
 def atrium(

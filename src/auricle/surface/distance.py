@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import igl
 import numpy as np
+from scipy.spatial import cKDTree
 
 from auricle.arrays import PerVertex, Points
 from auricle.errors import InputError
@@ -86,6 +87,46 @@ def geometric_distance(
         percentile_95=max(there.percentile_95, back.percentile_95),
         hausdorff=max(there.hausdorff, back.hausdorff),
     )
+
+
+def vertexwise_mean_square(positions: Points, others: Points) -> float:
+    """Mean of ‖positions_i - others_i‖², mm², each vertex against the one of its own number.
+
+    For two shapes of one connectivity: a surface and its reconstruction from few harmonics. One
+    reading of the paper's "mean square error (MSE)", which it does not define.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not agree.
+
+    Examples
+    --------
+    >>> vertexwise_mean_square(np.zeros((2, 3)), np.array([[3.0, 0, 0], [0, 5, 0]]))
+    17.0
+    """
+    if positions.shape != others.shape or not len(positions):
+        raise InputError(
+            f"positions {positions.shape} and {others.shape} do not belong together: "
+            "give one row each a vertex"
+        )
+    return float(((positions - others) ** 2).sum(axis=1).mean())
+
+
+def nearest_vertex_mean_square(points: Points, vertices: Points) -> float:
+    """Mean squared distance from each point to the nearest of the vertices, mm².
+
+    For shapes of different connectivity, a surface and a simplified one. The other reading of
+    the paper's MSE: "GD operates with a local distance to the mesh, whereas MSE operates with
+    the distance to the nearest point". Never below the mean square distance to the surface.
+
+    Examples
+    --------
+    >>> nearest_vertex_mean_square(np.array([[2.0, 0, 0], [10.0, 4, 0]]), np.diag([10.0, 0, 0]))
+    10.0
+    """
+    distances = np.asarray(cKDTree(vertices).query(points)[0])
+    return float(np.mean(distances**2))
 
 
 def vertexwise_rms(positions: Points, others: Points, areas: PerVertex) -> float:
