@@ -71,18 +71,18 @@ def test_many_rank_one_updates_drift_no_farther_than_rounding(sphere_chamber):
     assert found == pytest.approx(fresh, rel=1e-10)
 
 
-def test_variances_of_zero_are_allowed_and_none_at_all_are_not(sphere_chamber):
+def test_variances_of_zero_are_allowed_and_none_at_all_are_not(atrium_chamber):
     variances = np.ones(36)
     variances[10:] = 0.0
-    some = a_optimal_sampling(sphere_chamber, 8, prior=Prior(variances, 0.1))
-    few = a_optimal_sampling(sphere_chamber, 8, prior=Prior(variances[:10], 0.1))
+    some = a_optimal_sampling(atrium_chamber, 8, prior=Prior(variances, 0.1))
+    few = a_optimal_sampling(atrium_chamber, 8, prior=Prior(variances[:10], 0.1))
     np.testing.assert_array_equal(some, few)
     rest = a_optimal_sampling(
-        sphere_chamber, 4, prior=Prior(variances, 0.1), existing=Sites.at_vertices(some[:4])
+        atrium_chamber, 4, prior=Prior(variances, 0.1), existing=Sites.at_vertices(some[:4])
     )
     np.testing.assert_array_equal(rest, some[4:])
     for wrong, noise in ((np.zeros(4), 1.0), (-np.ones(4), 1.0), (np.ones(4), 0.0)):
         with pytest.raises(InputError, match=r"prior|noise"):
             Prior(wrong, noise)
     with pytest.raises(InputError, match="harmonics"):
-        a_optimal_sampling(sphere_chamber, 4, prior=Prior(np.ones(999), 1.0))
+        a_optimal_sampling(atrium_chamber, 4, prior=Prior(np.ones(999), 1.0))
