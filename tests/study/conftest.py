@@ -1,6 +1,7 @@
 """A small chamber on disk, and samples of a smooth map of it as a table."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from auricle.surface.field import FieldMap
 from auricle.surface.mesh import Mesh
+from auricle.surface.reading import read_surface
 from auricle.surface.shapes import icosphere
 from auricle.surface.writing import write_surface
 
@@ -45,11 +47,15 @@ def _harmonics(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("harmonics")
 
 
+_read_once = cache(read_surface)
+
+
 @pytest.fixture(scope="module")
 def solved_once(_harmonics: Path) -> Iterator[None]:
-    """The harmonics of one chamber are solved once for all tests of a module."""
+    """A chamber is read, and its harmonics are solved, once for all tests."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("AURICLE_CACHE", str(_harmonics))
+        patch.setattr("auricle.study.preparation.read_surface", _read_once)
         yield
 
 

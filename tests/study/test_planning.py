@@ -18,7 +18,7 @@ BAND = {**SMALL, "bandwidth": 20}
 
 
 @pytest.fixture(scope="module")
-def plain(chamber_file, solved_once) -> PlanResult:
+def plain(chamber_file) -> PlanResult:
     return plan_surface(chamber_file, PlanConfig(**BAND))
 
 
