@@ -63,7 +63,7 @@ _OTHER_FIELDS = ("supported_wavelength", "undersampled")
 def map_answer(result: MappingResult) -> str:
     """The answer in a sentence."""
     if not result.verdict.enough:
-        verdict = f"Not enough yet: {'; '.join(result.verdict.reasons)}"
+        verdict = f"Not enough yet: {printable('; '.join(result.verdict.reasons))}"
     else:
         verdict = (
             f"Enough for an error of {percent(result.config.target_nrmse)}: the predicted error is "
