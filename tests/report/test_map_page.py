@@ -35,6 +35,12 @@ FIGURES = {name: f"<{name}>".encode() for name in CAPTIONS}
 HOSTILE = "<img src=x onerror=alert(1)>\"'&\u202e</td>"
 
 
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small pictures: quicker to draw."""
+    monkeypatch.setattr("auricle.report.maps.RESOLUTION", 50)
+
+
 class Outline(HTMLParser):
     """Counts elements and gathers the text; complains of elements not closed in order."""
 

@@ -15,6 +15,12 @@ SPHERE = icosphere(radius=30.0, subdivisions=3)
 SCALE = ColourScale("perceptual", (-30.0, 0.0, 30.0), "height (mm)")
 
 
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small pictures: quicker to draw."""
+    monkeypatch.setattr("auricle.report.maps.RESOLUTION", 50)
+
+
 def seen_from(view: str, mesh: Mesh, positions: np.ndarray) -> np.ndarray:
     (camera,) = cameras(mesh.vertices, [STANDARD_VIEWS[view]], width=200, height=200)
     return visible(rasterize(mesh, camera), mesh, positions)

@@ -25,6 +25,12 @@ FIGURES = {name: f"<{name}>".encode() for name in CAPTIONS}
 HOSTILE = "<img src=x onerror=alert(1)>\"'&\u202e\ud800</td>"
 
 
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small pictures: quicker to draw."""
+    monkeypatch.setattr("auricle.report.maps.RESOLUTION", 50)
+
+
 class Outline(HTMLParser):
     """Elements of a page and its text; complains of elements not closed in order."""
 
