@@ -42,7 +42,7 @@ FIELDS = (
 def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]:
     """Every case of one anatomy."""
     chamber = prepare(path, n_vertices=n_vertices, n_modes=N_MODES).chamber
-    order = farthest_point_sampling(chamber, min(1200, chamber.mesh.n_vertices // 4))
+    order = farthest_point_sampling(chamber, 1000)
     processes: dict[int, GaussianProcess] = {}
 
     def error(name: str, seed: int, noise: float, count: int) -> float:
@@ -97,7 +97,7 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("surfaces", type=Path, nargs="*")
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--vertices", type=int, default=5000)
+    parser.add_argument("--vertices", type=int, default=3000)
     parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args()
     data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
