@@ -49,8 +49,8 @@ CLASSES = ("gaussian", "activation", "macro_reentry", "scar", "disc")
 COUNTS = (25, 50, 100, 200, 400, 800)
 NOISES = (0.0, 0.05, 0.2)
 N_MODES = 750
-N_COMPARED = 2
-"""Seeds for which the methods of mapping systems are measured too."""
+N_COMPARED, MANY = 2, 800
+"""Seeds that the methods of mapping systems get, as all do from so many samples on."""
 FIELDS = (
     "anatomy", "area_cm2", "map", "design", "n", "noise", "seed", "nrmse", "predicted", "planned",
     "coverage95", "coverage95_with_detail", "length_mm", "noise_found", *BASELINES,
@@ -102,7 +102,7 @@ def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]
         for count in COUNTS:
             shared = design in ("farthest", "pivoted_qr")
             process = None
-            for seed in range(n_seeds):
+            for seed in range(n_seeds if count < MANY else min(n_seeds, N_COMPARED)):
                 if process is None or not shared:
                     process = GaussianProcess(chamber, designed(chamber, design, count, seed))
                     planned = planned_errors(chamber, process.sites, tails)

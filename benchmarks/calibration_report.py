@@ -219,8 +219,8 @@ Written by `benchmarks/calibration_report.py` from {len(cells):,} cells of
 Maps are
 simulated on real left atria: {anatomies}, simplified to 3,000 vertices; 750 harmonics;
 {n_seeds} maps a
-cell. Designs: farthest points, pivoted QR, random by area, and `catheter`: a 20-pole star put
-down at
+cell (2 with 800 samples). Designs: farthest points, pivoted QR, random by area, and `catheter`:
+a 20-pole star put down at
 random. Noise: 0, 5 and 20 % of the map's deviation, not told to the method. Error: nRMSE over the
 area
 that can be sampled.
@@ -249,7 +249,7 @@ median;
 ## The recommended number of points (`auricle plan`)
 Fresh maps, sampled at as many farthest points as recommended; "needed" is the first number of a
 ladder
-(steps of 1.3) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5 and 20
+(steps of 1.4) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5 and 20
 %.
 
 {recommendation_table(advised)}

@@ -30,9 +30,9 @@ from auricle.simulation.map_classes import MAP_CLASSES
 from auricle.study.preparation import prepare
 
 TARGETS = (0.1, 0.2, 0.3)
-LADDER = tuple(round(10 * 1.3**step) for step in range(18))
+LADDER = tuple(round(10 * 1.4**step) for step in range(14))
 N_DRAWS = 20
-QUANTILES = (0.5, 0.75, 0.9)
+QUANTILES = (0.9,)
 FIELDS = (
     "anatomy", "area_cm2", "map", "noise", "target", "quantile", "seed", "recommended", "reason",
     "nrmse", "needed",
