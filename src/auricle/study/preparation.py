@@ -1,8 +1,12 @@
 """Preparation: from a surface file to the chamber that samples are planned and maps rebuilt on."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from auricle.arrays import Truths
 from auricle.errors import InputError
 from auricle.progress import Progress, silent
 from auricle.sampling.chamber import Chamber
@@ -55,6 +59,31 @@ class PreparedSurface:
     repairs: tuple[Repair, ...]
     remarks: tuple[str, ...]
 
+    def field(self, name: str) -> FieldMap:
+        """The field of this name.
+
+        Raises
+        ------
+        InputError
+            If there is none, or it holds more than a number a vertex.
+        """
+        return _scalar(self.fields, name)
+
+    def allowed_by(self, forbidding: str) -> Truths:
+        """Vertices of the chamber where a field is 0 or NaN, caps included, shape (n,).
+
+        Raises
+        ------
+        InputError
+            As `field`, or if that leaves no vertex.
+        """
+        values = np.nan_to_num(self.field(forbidding).values)
+        allowed = np.ones(self.chamber.mesh.n_vertices, dtype=np.bool_)
+        allowed[: len(values)] = values == 0
+        if not (allowed & self.chamber.accessible).any():
+            raise InputError(f"field {forbidding!r} forbids all of the surface: give another")
+        return allowed
+
 
 def prepare(
     path: Path,
@@ -62,6 +91,7 @@ def prepare(
     n_vertices: int = N_VERTICES,
     n_modes: int = N_MODES,
     seed: int = 1,
+    needed: Sequence[str] = (),
     progress: Progress = silent,
 ) -> PreparedSurface:
     """Read, clean, simplify and close a surface, and solve for its harmonics.
@@ -76,6 +106,8 @@ def prepare(
         Harmonics to solve for, the constant one included.
     seed
         Of the eigensolver.
+    needed
+        Names of fields without which to stop before the harmonics are solved for.
     progress
         Told the stages.
 
@@ -89,10 +121,13 @@ def prepare(
     progress("prepare surface", 0, 3)
     soup = read_surface(path)
     cleaned = clean(soup)
-    if not path.is_file() or n_modes >= min(n_vertices, cleaned.mesh.n_vertices):
+    for name in needed:
+        _scalar(cleaned.fields, name)
+    n_left = min(n_vertices, cleaned.mesh.n_vertices)
+    if not 2 <= n_modes < n_left:
         raise InputError(
-            f"{n_modes} harmonics of {cleaned.mesh.n_vertices} vertices: "
-            "ask for fewer harmonics or give a finer surface"
+            f"{n_modes} harmonics of {n_left} vertices: ask for at least 2, and for fewer than "
+            "there are vertices"
         )
     progress("prepare surface", 1, 3)
     surface = simplify(cleaned.mesh, n_vertices)
@@ -127,3 +162,13 @@ def prepare(
         repairs=cleaned.repairs,
         remarks=tuple(remarks),
     )
+
+
+def _scalar(fields: Sequence[FieldMap], name: str) -> FieldMap:
+    for each in fields:
+        if each.name == name:
+            if each.values.ndim != 1:
+                raise InputError(f"field {name!r} is a vector: choose one number a vertex")
+            return each
+    have = ", ".join(sorted(each.name for each in fields)) or "none"
+    raise InputError(f"no field named {name!r}: the surface has {have}")
