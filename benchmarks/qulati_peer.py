@@ -226,7 +226,9 @@ def mean_rmse(found: Sequence[Outcome], method: str, count: int) -> float:
     return float(np.mean(some))
 
 
-def report(truth: Truth, mesh: Mesh, bases: dict[str, Seconds], found: Sequence[Outcome]) -> str:
+def report(
+    truth: Truth, mesh: Mesh, bases: dict[str, Seconds], found: Sequence[Outcome], source: str
+) -> str:
     """The section."""
     spread = truth.chamber.rms(truth.values - truth.chamber.mean(truth.values))
     first = next(iter(bases.values()))
@@ -253,10 +255,11 @@ def report(truth: Truth, mesh: Mesh, bases: dict[str, Seconds], found: Sequence[
 `benchmarks/qulati_peer.py`. The LAT map of OpenEP's data set 2: its main piece,
 {mesh.n_vertices:,} vertices, deviation {spread:.1f} ms. The same vertices, drawn at random by area
 ({n_draws} draws), are the samples of both; both fit all hyper-parameters and the noise
-(ν = {SMOOTHNESS}). quLATi 2.0 is used as its README has it: holes extended by {LAYERS} layers,
-every triangle split in nine, {RESTARTS} restarts; its gradients left out, compiled beforehand;
-its basis solved once, ours {REPEATS} times. auricle caps the holes and solves on the triangles as
-they are. One thread of a machine of two cores that had other work: compare processor times.
+(ν = {SMOOTHNESS}). quLATi, {source}, is used as its README has it: holes extended by
+{LAYERS} layers, every triangle split in nine, {RESTARTS} restarts; its gradients left out,
+compiled beforehand; its basis solved once, ours {REPEATS} times. auricle caps the holes and solves
+on the triangles as they are. One thread of a machine of two cores that had other work: compare
+processor times.
 
 {basis_table}
 
@@ -275,6 +278,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--basis", type=Path)
     parser.add_argument("--draws", type=int, default=5)
+    parser.add_argument("--source", default="as installed", help="which quLATi, for the report")
     given = parser.parse_args()
     if find_spec("qulati") is None:
         raise SystemExit(ABSENT)
@@ -294,7 +298,7 @@ def main() -> None:
     truth = Truth(replace(chamber, accessible=known), np.where(known, on_shell, 0.0))
     peer = partial(peer_posterior, mesh, (values, modes))
     found = list(outcomes(truth, peer, left_open(mesh, MOST_MODES), given.draws))
-    write_section("qulati_peer", report(truth, mesh, bases, found))
+    write_section("qulati_peer", report(truth, mesh, bases, found, given.source))
 
 
 if __name__ == "__main__":
