@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +32,7 @@ from auricle.sampling.stopping import Evidence, verdict
 from auricle.study.mapping_result import MappingConfig, MappingResult, Progression
 from auricle.study.preparation import PreparedSurface, prepare
 from auricle.study.provenance import source_of, versions
+from auricle.study.result import Source
 
 N_PREFIXES = 12
 """Numbers of samples at which the error of the samples so far is told."""
@@ -91,9 +92,45 @@ def map_samples(
         progress=progress,
     )
     solved = time.perf_counter()
+    placed = _placed(samples, read, prepared.chamber, config)
+    rebuilt = rebuilt_map(
+        prepared, placed, config, source=source_of(samples), validate=validate, progress=progress
+    )
+    return replace(rebuilt, seconds={"prepare": solved - begin, **rebuilt.seconds})
+
+
+def rebuilt_map(
+    prepared: PreparedSurface,
+    placed: PlacedSamples,
+    config: MappingConfig,
+    *,
+    source: Source,
+    validate: bool = True,
+    progress: Progress = silent,
+) -> MappingResult:
+    """As `map_samples`, of samples that lie on a surface already.
+
+    Parameters
+    ----------
+    prepared
+        The surface.
+    placed
+        The samples on it.
+    config
+        The parameters; of them those that read files or solve for harmonics are only recorded.
+    source
+        Where the samples come from.
+    validate, progress
+        As `map_samples`.
+
+    Raises
+    ------
+    InputError
+        If a parameter is at fault.
+    """
+    begin = time.perf_counter()
     progress("rebuild map", 0, 4)
     chamber = prepared.chamber
-    placed = _placed(samples, read, chamber, config)
     fitted = _fitted(
         GaussianProcess(chamber, placed.sites, noise_shape=placed.noise_shape), placed, config
     )
@@ -125,7 +162,7 @@ def map_samples(
     return MappingResult(
         prepared=prepared,
         config=config,
-        samples_source=source_of(samples),
+        samples_source=source,
         placed=placed,
         hyperparameters=found.hyperparameters,
         mean=mean,
@@ -147,7 +184,7 @@ def map_samples(
         cross_validation=validation,
         remarks=_remarks(fitted, placed),
         versions=versions(),
-        seconds={"prepare": solved - begin, "rebuild": time.perf_counter() - solved},
+        seconds={"rebuild": time.perf_counter() - begin},
     )
 
 

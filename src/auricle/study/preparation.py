@@ -17,6 +17,7 @@ from auricle.surface.mesh import Mesh
 from auricle.surface.reading import read_surface
 from auricle.surface.simplification import simplify
 from auricle.surface.soundness import Soundness, soundness, zero_area_remark
+from auricle.surface.soup import TriangleSoup
 from auricle.surface.transfer import transfer
 
 N_VERTICES = 10_000
@@ -88,8 +89,46 @@ def prepare(
     """
     progress("prepare surface", 0, 3)
     soup = read_surface(path)
+    return prepare_soup(
+        soup,
+        source_of(path),
+        n_vertices=n_vertices,
+        n_modes=n_modes,
+        seed=seed,
+        progress=progress,
+    )
+
+
+def prepare_soup(
+    soup: TriangleSoup,
+    source: Source,
+    *,
+    n_vertices: int = N_VERTICES,
+    n_modes: int = N_MODES,
+    seed: int = 1,
+    progress: Progress = silent,
+) -> PreparedSurface:
+    """As `prepare`, of triangles that have been read already.
+
+    Parameters
+    ----------
+    soup
+        The triangles and the fields on them.
+    source
+        Where they come from.
+    n_vertices, n_modes, seed, progress
+        As `prepare`.
+
+    Raises
+    ------
+    InputError
+        If the surface cannot be used.
+    SolverError
+        If the harmonics miss their certificate.
+    """
+    progress("prepare surface", 0, 3)
     cleaned = clean(soup)
-    if not path.is_file() or n_modes >= min(n_vertices, cleaned.mesh.n_vertices):
+    if n_modes >= min(n_vertices, cleaned.mesh.n_vertices):
         raise InputError(
             f"{n_modes} harmonics of {cleaned.mesh.n_vertices} vertices: "
             "ask for fewer harmonics or give a finer surface"
@@ -117,7 +156,7 @@ def prepare(
             "surface's area; points and errors are for the real surface"
         )
     return PreparedSurface(
-        source=source_of(path),
+        source=source,
         surface=surface,
         chamber=Chamber(capped.mesh, basis, capped.original),
         fields=fields,
