@@ -12,6 +12,7 @@ from auricle.cli.options import FolderOption, about, require_folder
 
 if TYPE_CHECKING:
     from auricle.electroanatomy.points_csv import PointTable
+    from auricle.study.map_study import MapStudyConfig
 
 ExportArgument = Annotated[
     Path,
@@ -72,6 +73,24 @@ def import_export(
     for one in document["maps"]:
         typer.echo(f"  {_map_line(one)}")
     typer.echo(str(output / "summary.json"))
+
+
+def analyze_maps(
+    export: Path, output: Path, config: "MapStudyConfig", *, column: list[str]
+) -> None:
+    """Analyse an export, write its report and say the answers: `auricle analyze EXPORT`."""
+    from auricle.cli.progress import progress_bars
+    from auricle.report.study_page import study_answers, write_map_study
+    from auricle.study.map_analysis import analyze_export
+
+    with about(export), progress_bars() as progress:
+        table = point_table(column, ",", ".")
+        result = analyze_export(export, config, table=table, progress=progress)
+        written = write_map_study(result, output, progress=progress)
+    echo_left_out(result.remarks, {one.name: list(one.remarks) for one in result.maps})
+    for answer in study_answers(result):
+        typer.echo(answer)
+    typer.echo(str(written))
 
 
 def point_table(columns: list[str], delimiter: str, decimal: str) -> "PointTable | None":
