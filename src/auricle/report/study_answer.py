@@ -28,7 +28,7 @@ def field_answer(field: FieldAnalysis) -> str:
     n_places = len(result.placed)
     if field.knows_nothing:
         return (
-            f"{counted(n_places, 'place')} with a value say nothing of the map: no error, area or "
+            f"the values at {counted(n_places, 'place')} say nothing of the map: no error, area or "
             "velocity is told."
         )
     mapped = (
@@ -41,7 +41,7 @@ def field_answer(field: FieldAnalysis) -> str:
     if enough is None:
         judged = f"there the expected error is {error}, above the target of {target}"
         redundant = 0 if field.redundancy is None else field.redundancy.n_redundant
-        spare = f"; {redundant:,} of {n_places:,} points add nothing to it" if redundant else ""
+        spare = f"; {redundant:,} of {n_places:,} points add next to nothing" if redundant else ""
         return f"{mapped}; {judged}{spare}.{_derived(field)}"
     return (
         f"{mapped}; there the expected error is {error} (target {target}), and {enough:,} of its "
@@ -55,10 +55,11 @@ def _derived(field: FieldAnalysis) -> str:
     low = field.low_voltage
     if low is not None:
         ends = (number(value / 100, digits=2) for value in (low.low_mm2, low.high_mm2))
-        parts.append(
+        some = (
             f"below {low.threshold_mv:g} mV lie {number(low.expected_mm2 / 100, digits=2)} cm² "
             f"({' to '.join(ends)})"
         )
+        parts.append(some if low.high_mm2 > 0 else f"none of it lies below {low.threshold_mv:g} mV")
     speed = field.velocity
     if speed is not None:
         ends = (number(value, digits=2) for value in (speed.low, speed.high))

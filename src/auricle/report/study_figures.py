@@ -1,5 +1,7 @@
 """Figures of a study's maps: reconstruction beside the vendor's, and points against error."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,6 +17,14 @@ from auricle.study.map_study import FieldAnalysis
 
 WIDTH = 7.0
 GREY = "#9a9a9a"
+_SHORT: Mapping[str, str] = MappingProxyType(
+    {
+        "local_activation_time": "activation",
+        "bipolar_voltage": "bipolar",
+        "unipolar_voltage": "unipolar",
+    }
+)
+"""Words for colour bars, which are short."""
 _VELOCITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5)
 """Boundaries of the colours of velocities, m/s; the same in every report."""
 
@@ -30,7 +40,7 @@ def field_picture(field: FieldAnalysis) -> Figure:
     if not field.knows_nothing:
         panels += [_deviation_panel(field), wavelength_panel(field.rebuilt.wavelengths)]
     if field.velocity is not None:
-        scale = ColourScale("perceptual", _VELOCITIES, "conduction velocity (m/s)")
+        scale = ColourScale("perceptual", _VELOCITIES, "velocity (m/s)")
         panels.append(MapPanel("velocity", field.velocity.local, scale, "not mapped"))
     surface = field.rebuilt.prepared.surface
     return maps_picture(surface, panels or [MapPanel("points")], marks=_marks(field))
@@ -84,8 +94,14 @@ def _scale(field: FieldAnalysis) -> ColourScale:
     """One scale for the reconstruction and the vendor's map."""
     result = field.rebuilt
     cyclic = result.config.cycle_length_ms is not None
-    edges = round_boundaries(_shown(field))
-    label = with_unit(figure_text(field_words(field.name)), figure_text(result.placed.unit))
+    values = _shown(field)
+    known = values[np.isfinite(values)]
+    middle = float(np.median(known))
+    if np.ptp(known) <= 1e-6 * abs(middle):
+        known = middle + 0.1 * max(abs(middle), 1.0) * np.linspace(-1, 1, 11)
+    edges = round_boundaries(known)
+    short = _SHORT.get(field.name, field_words(field.name))
+    label = with_unit(figure_text(short), figure_text(result.placed.unit))
     return ColourScale("cyclic" if cyclic else "perceptual", tuple(edges.tolist()), label)
 
 

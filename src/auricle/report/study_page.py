@@ -131,7 +131,7 @@ def _quantity(
         title=words[:1].upper() + words[1:],
         answer=field_answer(field),
         reasons=tuple(printable(reason) for reason in reasons),
-        notes=tuple(printable(note) for note in field.rebuilt.remarks),
+        notes=tuple(printable(note) for note in field.rebuilt.placed.remarks),
         figures=captioned(drawn, captions),
         tables=quantity_tables(field),
     )

@@ -64,8 +64,8 @@ def extent_table(found: PointExtent) -> Table:
     rows = (
         ("Places that differ", f"{found.n_places:,}"),
         ("Box along the axes", f"{sides} mm"),
-        ("Median distance to the nearest other, straight", f"{number(found.spacing_mm)} mm"),
-        ("Largest of these distances", f"{number(found.largest_gap_mm)} mm"),
+        ("Median distance to the nearest other, straight", _with_mm(found.spacing_mm)),
+        ("Largest of these distances", _with_mm(found.largest_gap_mm)),
         ("Convex hull (cuts across hollows: a scale, not an area of wall)", hull),
     )
     return Table("The points in space", _QUANTITY, rows)
@@ -123,7 +123,7 @@ def _sampling_table(field: FieldAnalysis) -> Table:
     rows = [
         ("Places with a value", f"{len(result.placed):,}"),
         ("Density over the whole surface", f"{number(result.coverage.density_per_cm2)} per cm²"),
-        ("Median distance to the nearest other", f"{number(result.coverage.spacing_mm)} mm"),
+        ("Median distance to the nearest other", _with_mm(result.coverage.spacing_mm)),
         ("Farthest place from any point", f"{number(result.coverage.radius_mm)} mm"),
         ("Share of the surface mapped", percent(field.mapped_share)),
     ]
@@ -131,7 +131,10 @@ def _sampling_table(field: FieldAnalysis) -> Table:
         rows += [
             ("Expected error of the mapped part", percent(field.mapped_nrmse)),
             ("Expected error of the whole surface", percent(result.predicted_nrmse)),
-            ("Mapped part sampled too sparsely for the bandwidth", percent(field.undersampled_share)),
+            (
+                "Mapped part sampled too sparsely for the bandwidth",
+                percent(field.undersampled_share),
+            ),
             ("Points that can be left out, error up by 5 %", f"{less.n_redundant:,}"),
             *_bandwidth_rows(field),
         ]
@@ -163,7 +166,10 @@ def _bandwidth_rows(field: FieldAnalysis) -> list[tuple[str, str]]:
 def _vendor_table(found: VendorComparison, unit: str) -> Table:
     rows = (
         ("Surface on which the system's map has a value", percent(found.coloured_share)),
-        ("Difference, root mean square over the mapped part", f"{number(found.rms_difference)} {unit}"),
+        (
+            "Difference, root mean square over the mapped part",
+            f"{number(found.rms_difference)} {unit}",
+        ),
         ("The same, of the system's map's deviation", _share(found.relative)),
         (
             "Mapped part where they differ by more than two standard deviations",
@@ -185,7 +191,10 @@ def _low_voltage_table(found: LowVoltage) -> Table:
     rows = [
         ("Area mapped", _area(found.mapped_mm2)),
         (f"Below {found.threshold_mv:g} mV, expected", _area(found.expected_mm2)),
-        ("Nine maps of ten that fit the points", f"{_area(found.low_mm2)} to {_area(found.high_mm2)}"),
+        (
+            "Nine maps of ten that fit the points",
+            f"{_area(found.low_mm2)} to {_area(found.high_mm2)}",
+        ),
         ("On the most probable map, which is smoother", _area(found.of_map_mm2)),
         ("Share of the points", percent(found.share_of_points)),
     ]
@@ -198,11 +207,18 @@ def _low_voltage_table(found: LowVoltage) -> Table:
 def _velocity_table(found: ConductionVelocity) -> Table:
     rows = [
         ("Median over the mapped area, most probable map", f"{number(found.median)} m/s"),
-        ("Nine maps of ten that fit the points", f"{number(found.low)} to {number(found.high)} m/s"),
+        (
+            "Nine maps of ten that fit the points",
+            f"{number(found.low)} to {number(found.high)} m/s",
+        ),
     ]
     if math.isfinite(found.vendor):
         rows.append(("On the system's own map", f"{number(found.vendor)} m/s"))
     return Table("Conduction velocity", _QUANTITY, tuple(rows))
+
+
+def _with_mm(value: float) -> str:
+    return f"{number(value)} mm" if math.isfinite(value) else _NOTHING
 
 
 def _area(area_mm2: float) -> str:

@@ -214,9 +214,7 @@ def _remarks(case: _Case) -> Iterator[str]:
         )
 
 
-def _field(
-    case: _Case, prepared: PreparedSurface, name: str, progress: Progress
-) -> FieldAnalysis:
+def _field(case: _Case, prepared: PreparedSurface, name: str, progress: Progress) -> FieldAnalysis:
     config, points = case.config, case.points
     points = points.chosen(np.isfinite(getattr(points, name)))
     cycle = case.cycle_length if name == _TIME else None
@@ -237,7 +235,12 @@ def _field(
         seed=config.seed,
     )
     rebuilt = rebuilt_map(
-        prepared, (len(points), placed), mapping, source=case.source, validate=False, progress=progress
+        prepared,
+        (len(points), placed),
+        mapping,
+        source=case.source,
+        validate=False,
+        progress=progress,
     )
     identifiers = points.identifiers[placed.kept]
     return analyzed_field(rebuilt, config, identifiers, vendor=_vendor_values(prepared, name))

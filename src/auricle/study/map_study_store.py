@@ -142,7 +142,7 @@ def _field(field: FieldAnalysis) -> dict[str, Any]:
     return {
         **{key: whole[key] for key in _KEPT},
         "cycle_length_ms": field.rebuilt.config.cycle_length_ms,
-        "remarks": list(field.rebuilt.remarks),
+        "remarks": list(field.rebuilt.placed.remarks),
         "mapped_area_share": field.mapped_share,
         "mapped_predicted_nrmse": _finite(field.mapped_nrmse),
         "mapped_undersampled_area_share": None if less is None else field.undersampled_share,

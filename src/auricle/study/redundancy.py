@@ -57,9 +57,7 @@ class Redundancy:
         return found
 
 
-def redundancy(
-    found: Reconstruction, areas: PerVertex, *, detail: float = 0.0
-) -> Redundancy:
+def redundancy(found: Reconstruction, areas: PerVertex, *, detail: float = 0.0) -> Redundancy:
     """Take samples out of a reconstruction, each time those whose loss is felt least.
 
     Hyper-parameters are held, so that the error does not depend on the values. With wᵢ(x) the
