@@ -11,6 +11,7 @@ goes into OUT.csv as soon as an anatomy's is done; `calibration_report.py` makes
 import argparse
 import csv
 import os
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
@@ -151,14 +152,30 @@ def drawn(chamber: Chamber, name: str, seed: int) -> Floats:
     return columns.reshape(chamber.mesh.n_vertices, -1)
 
 
+def noisy(sites: Sites, truth: Floats, noise: float, seed: int, spread: float) -> Floats:
+    """Samples of a map, shape (m, c)."""
+    rng = np.random.default_rng([seed, 5])
+    return sites.of(truth) + noise * spread * rng.standard_normal((len(sites), truth.shape[1]))
+
+
+def deviation(chamber: Chamber, truth: Floats) -> float:
+    """Standard deviation of a map over the accessible area, root mean square of its columns."""
+    squares = [chamber.rms(column - chamber.mean(column)) ** 2 for column in truth.T]
+    return float(np.sqrt(np.mean(squares)))
+
+
+def rebuilt_error(process: GaussianProcess, truth: Floats, noise: float, seed: int) -> float:
+    """Error of the Gaussian process alone."""
+    values = noisy(process.sites, truth, noise, seed, deviation(process.chamber, truth))
+    mean = process.fit(values).mean.reshape(truth.shape)
+    return relative_error(process.chamber, mean, truth)
+
+
 def rebuilt(process: GaussianProcess, truth: Floats, noise: float, seed: int) -> dict[str, float]:
     """Errors of every method on one map with one level of noise."""
     chamber, sites = process.chamber, process.sites
-    spread = np.sqrt(
-        sum(chamber.rms(column - chamber.mean(column)) ** 2 for column in truth.T) / truth.shape[1]
-    )
-    rng = np.random.default_rng([seed, 5])
-    values = sites.of(truth) + noise * spread * rng.standard_normal((len(sites), truth.shape[1]))
+    spread = deviation(chamber, truth)
+    values = noisy(sites, truth, noise, seed, spread)
     found = process.fit(values)
     mean = found.mean.reshape(truth.shape)
     off = np.abs(mean - truth)
@@ -205,7 +222,7 @@ def main() -> None:
         for done, job in enumerate(as_completed(jobs), start=1):
             writer.writerows(job.result())
             file.flush()
-            print(f"{done} of {len(jobs)} anatomies", flush=True)
+            sys.stderr.write(f"{done} of {len(jobs)} anatomies\n")
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def table_under(heading: str) -> list[list[str]]:
 
 
 def test_the_readme_is_short_enough_to_be_read():
-    assert len(README.splitlines()) <= 150
+    assert len(README.splitlines()) <= 180
 
 
 def test_the_python_of_the_readme_runs_and_meets_the_closed_form(tmp_path, monkeypatch, capsys):

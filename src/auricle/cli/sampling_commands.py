@@ -36,7 +36,8 @@ NoiseOption = Annotated[
     float | None,
     typer.Option(
         metavar="NUMBER",
-        help="Standard deviation of a sample, in the values' unit. Default: estimated.",
+        help="Standard deviation of a sample, in the values' unit; what is fitted beyond it "
+        "counts as detail of the map. Default: all of it does.",
         show_default=False,
     ),
 ]
@@ -59,6 +60,14 @@ RobustOption = Annotated[
     bool,
     typer.Option(
         "--robust", help="Isolated samples that contradict all their neighbours count less."
+    ),
+]
+ForbidOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FIELD",
+        help="Field of the surface; no point is placed where it is not 0.",
+        show_default=False,
     ),
 ]
 TargetOption = Annotated[
@@ -117,18 +126,30 @@ def plan(
     points: Annotated[
         int | None,
         typer.Option(
-            metavar="N", help="Place this many instead of those recommended.", show_default=False
+            metavar="N",
+            help="Place this many (beside those taken) instead of those needed.",
+            show_default=False,
         ),
     ] = None,
     existing: Annotated[
         Path | None,
         typer.Option(metavar="CSV", help="Positions of samples taken already.", show_default=False),
     ] = None,
+    forbid: ForbidOption = None,
+    catheter: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SHAPE",
+            help="Plan placements of a catheter: grid (4 × 4, 4 mm), star (5 × 4, 32 mm), loop "
+            "(20, 20 mm) or row (4, 2-5-2 mm).",
+            show_default=False,
+        ),
+    ] = None,
     design: Annotated[
         str,
         typer.Option(
             metavar="NAME",
-            help="How points are chosen: farthest, pivoted_qr, a_optimal, d_optimal.",
+            help="How single points are chosen: farthest, pivoted_qr, a_optimal, d_optimal.",
         ),
     ] = "farthest",
     cycle_length: CycleOption = None,
@@ -144,25 +165,28 @@ def plan(
     """
     from auricle.cli.progress import progress_bars
     from auricle.report.plan_page import plan_answer, write_plan
-    from auricle.study.planning import PlanConfig, checked_design, plan_surface
+    from auricle.study.plan_result import PlanConfig, checked_design
+    from auricle.study.planning import plan_surface
 
     require_folder(output)
+    config = PlanConfig(
+        map_class="gaussian" if gaussian is not None and map_class is None else map_class,
+        parameters=_parameters(parameter or [], gaussian),
+        field=field,
+        cycle_length_ms=cycle_length,
+        bandwidth=bandwidth,
+        target_nrmse=target,
+        noise_ratio=noise,
+        acquisition="unplanned" if unplanned else "planned",
+        n_samples=points,
+        forbid=forbid,
+        catheter=catheter,
+        design=checked_design(design),
+        n_vertices=vertices,
+        n_modes=modes,
+        seed=seed,
+    )
     with about(surface, existing), progress_bars() as progress:
-        config = PlanConfig(
-            map_class="gaussian" if gaussian is not None and map_class is None else map_class,
-            parameters=_parameters(parameter or [], gaussian),
-            field=field,
-            cycle_length_ms=cycle_length,
-            bandwidth=bandwidth,
-            target_nrmse=target,
-            noise_ratio=noise,
-            acquisition="unplanned" if unplanned else "planned",
-            n_samples=points,
-            design=checked_design(design),
-            n_vertices=vertices,
-            n_modes=modes,
-            seed=seed,
-        )
         result = plan_surface(surface, config, existing=existing, progress=progress)
         written = write_plan(result, output, progress=progress)
     echo_notes(result.prepared.repairs, (*result.prepared.remarks, *result.remarks))
@@ -182,7 +206,8 @@ def reconstruct(
     max_distance: DistanceOption = 5.0,
     robust: RobustOption = False,
     target: TargetOption = 0.1,
-    count: Annotated[int, typer.Option(metavar="N", help="Next points to propose.")] = 5,
+    count: Annotated[int, typer.Option(metavar="N", min=0, help="Next points to propose.")] = 5,
+    forbid: ForbidOption = None,
     vertices: VerticesOption = 10_000,
     modes: ModesOption = 500,
     seed: SeedOption = 1,
@@ -199,21 +224,22 @@ def reconstruct(
     from auricle.study.mapping_result import MappingConfig
 
     require_folder(output)
+    config = MappingConfig(
+        value=value,
+        noise_column=noise_column,
+        columns=_columns(columns),
+        noise=noise,
+        cycle_length_ms=cycle_length,
+        max_distance_mm=max_distance,
+        robust=robust,
+        target_nrmse=target,
+        n_next=count,
+        forbid=forbid,
+        n_vertices=vertices,
+        n_modes=modes,
+        seed=seed,
+    )
     with about(surface, samples), progress_bars() as progress:
-        config = MappingConfig(
-            value=value,
-            noise_column=noise_column,
-            columns=_columns(columns),
-            noise=noise,
-            cycle_length_ms=cycle_length,
-            max_distance_mm=max_distance,
-            robust=robust,
-            target_nrmse=target,
-            n_next=count,
-            n_vertices=vertices,
-            n_modes=modes,
-            seed=seed,
-        )
         result = map_samples(surface, samples, config, progress=progress)
         written = write_map(result, output, progress=progress)
     echo_notes(result.prepared.repairs, (*result.prepared.remarks, *result.remarks))
@@ -224,10 +250,12 @@ def reconstruct(
 def propose(
     surface: SurfaceArgument,
     samples: SamplesArgument,
-    count: Annotated[int, typer.Option(metavar="N", help="How many.")] = 1,
+    count: Annotated[int, typer.Option(metavar="N", min=1, help="How many.")] = 1,
+    forbid: ForbidOption = None,
     value: ValueOption = "LAT",
     columns: ColumnsOption = "",
     noise: NoiseOption = None,
+    noise_column: NoiseColumnOption = None,
     cycle_length: CycleOption = None,
     max_distance: DistanceOption = 5.0,
     target: TargetOption = 0.1,
@@ -246,21 +274,23 @@ def propose(
     from auricle.study.mapping import map_samples
     from auricle.study.mapping_result import MappingConfig
 
+    config = MappingConfig(
+        value=value,
+        noise_column=noise_column,
+        columns=_columns(columns),
+        noise=noise,
+        cycle_length_ms=cycle_length,
+        max_distance_mm=max_distance,
+        target_nrmse=target,
+        n_next=count,
+        forbid=forbid,
+        n_vertices=vertices,
+        n_modes=modes,
+        seed=seed,
+    )
     with about(surface, samples), progress_bars() as progress:
-        config = MappingConfig(
-            value=value,
-            columns=_columns(columns),
-            noise=noise,
-            cycle_length_ms=cycle_length,
-            max_distance_mm=max_distance,
-            target_nrmse=target,
-            n_next=count,
-            n_vertices=vertices,
-            n_modes=modes,
-            seed=seed,
-        )
         result = map_samples(surface, samples, config, progress=progress, validate=False)
-    echo_notes((), result.remarks)
+    echo_notes(result.prepared.repairs, (*result.prepared.remarks, *result.remarks))
     typer.echo(map_answer(result), err=True)
     typer.echo(next_points_csv(result), nl=False)
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
 from auricle.report.labels import figure_text, with_unit
 from auricle.report.maps import MapPanel, Marks, maps_picture
 from auricle.report.palettes import ColourScale, round_boundaries
-from auricle.report.plan_figures import wavelength_panel
+from auricle.report.plan_figures import logarithmic, wavelength_panel
 from auricle.report.wording import field_words
 from auricle.study.mapping_result import MappingResult
 
@@ -24,15 +23,26 @@ METHODS = {
 
 
 def map_picture(result: MappingResult) -> Figure:
-    """Map, standard deviation and supported wavelength, with the samples and the next points."""
-    unit = result.placed.unit
+    """Map, standard deviation and supported wavelength, with the samples and the next points.
+
+    Where nothing is known of the map, the bare surface with them.
+    """
+    mesh = result.prepared.chamber.mesh
+    marks = [Marks("samples", result.placed.sites.positions(mesh))]
+    if result.next_points:
+        places = np.array([point.position for point in result.next_points])
+        marks.append(Marks("next points", places, colour="#d00000", numbered=True))
+    panels = [MapPanel("no map is known")] if result.knows_nothing else _panels(result)
+    return maps_picture(result.prepared.surface, panels, marks=marks)
+
+
+def _panels(result: MappingResult) -> list[MapPanel]:
+    unit = figure_text(result.placed.unit) if result.placed.unit else ""
     values = np.where(result.singular, np.nan, result.mean)
-    cyclic = result.config.cycle_length_ms is not None
-    palette = "cyclic" if cyclic else "perceptual"
-    label = with_unit(
-        figure_text(field_words(result.placed.name)), figure_text(unit) if unit else ""
-    )
-    panels = [
+    palette = "perceptual" if result.config.cycle_length_ms is None else "cyclic"
+    label = with_unit(figure_text(field_words(result.placed.name)), unit)
+    deviation = with_unit("standard deviation", unit)
+    return [
         MapPanel(
             "map",
             values,
@@ -42,20 +52,10 @@ def map_picture(result: MappingResult) -> Figure:
         MapPanel(
             "uncertainty",
             result.std,
-            ColourScale(
-                "distance",
-                _boundaries(result.std),
-                with_unit("standard deviation", figure_text(unit) if unit else ""),
-            ),
+            ColourScale("distance", _boundaries(result.std), deviation),
         ),
         wavelength_panel(result.wavelengths),
     ]
-    mesh = result.prepared.chamber.mesh
-    marks = [Marks("samples", result.placed.sites.positions(mesh))]
-    if result.next_points:
-        places = np.array([point.position for point in result.next_points])
-        marks.append(Marks("next points", places, colour="#d00000", numbered=True))
-    return maps_picture(result.prepared.surface, panels, marks=marks)
 
 
 def _boundaries(values: np.ndarray) -> tuple[float, ...]:
@@ -74,15 +74,9 @@ def progression_figure(result: MappingResult) -> Figure:
         following = 100 * np.concatenate([[result.predicted_nrmse], result.next_nrmse])
         axes.plot(ahead, following, ".-", color="#d00000", label="with the next points proposed")
     axes.axhline(100 * result.config.target_nrmse, color="#777777", lw=0.8, label="target")
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.xaxis.set_major_formatter("{x:,.0f}")
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    logarithmic(axes)
     axes.set_xlabel("samples (number)")
-    axes.set_ylabel("predicted error, nRMSE (%)")
-    axes.grid(color="#e4e4e4", lw=0.5, which="both")
+    axes.set_ylabel("predicted error, nRMSE (% of the map's deviation)")
     axes.legend(frameon=False)
     return figure
 

@@ -50,6 +50,9 @@ CAPTIONS: Mapping[str, Caption] = MappingProxyType(
 """Captions of the figures, in the order of the page."""
 
 
+_OTHER_FIELDS = ("supported_wavelength", "undersampled")
+
+
 def map_answer(result: MappingResult) -> str:
     """The answer in a sentence."""
     if not result.verdict.enough:
@@ -73,11 +76,11 @@ def write_map(result: MappingResult, folder: Path, *, progress: Progress = silen
     figures = drawn_files(_figures(result), progress)
     page = map_page(result, figures)
     document = json_text(mapping_document(result))
-    for name, content in figures.items():
-        write_bytes(folder / "figures" / name, content)
     write_surface(
         folder / "map.vtp", result.prepared.surface, map_fields(result), space=result.prepared.space
     )
+    for name, content in figures.items():
+        write_bytes(folder / "figures" / name, content)
     write_text(folder / "samples.csv", samples_csv(result))
     write_text(folder / "next_points.csv", next_points_csv(result))
     write_text(folder / "report.html", page)
@@ -88,27 +91,32 @@ def write_map(result: MappingResult, folder: Path, *, progress: Progress = silen
 
 def map_fields(result: MappingResult) -> list[FieldMap]:
     """The map and what goes with it, as fields on the analysed surface."""
-    mesh, name, unit = result.prepared.surface, result.placed.name, result.placed.unit
+    mesh, unit = result.prepared.surface, printable(result.placed.unit)
+    name = printable(result.placed.name) or "values"
+    if name in _OTHER_FIELDS:
+        name = f"sampled_{name}"
     wavelengths = np.where(np.isfinite(result.wavelengths), result.wavelengths, np.nan)
     return [
         FieldMap(mesh, np.where(result.singular, np.nan, result.mean), name, unit),
         FieldMap(mesh, result.std, f"{name}_standard_deviation", unit),
-        FieldMap(mesh, wavelengths, "supported_wavelength", "mm"),
-        FieldMap(mesh, result.undersampled.astype(float), "undersampled"),
+        FieldMap(mesh, wavelengths, _OTHER_FIELDS[0], "mm"),
+        FieldMap(mesh, result.undersampled.astype(float), _OTHER_FIELDS[1]),
     ]
 
 
 def samples_csv(result: MappingResult) -> str:
-    """The samples used: place on the surface, value, and how far the others' prediction is off."""
+    """The samples used: place on the surface, value, and how far the others' prediction is off.
+
+    ``row`` counts the samples of the file from 1; residuals are empty where nothing is known.
+    """
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    residuals = result.residuals.reshape(len(result.placed), -1)
-    names = ["residual"] if residuals.shape[1] == 1 else ["residual_cos", "residual_sin"]
-    writer.writerow(
-        ["row", "x_mm", "y_mm", "z_mm", "distance_mm", "value", "n_merged", *names, "doubted"]
-    )
+    unit = f"_{printable(result.placed.unit)}" if result.placed.unit else ""
+    places = ("row", "x_mm", "y_mm", "z_mm", "distance_mm")
+    writer.writerow([*places, f"value{unit}", "n_merged", f"residual{unit}", "doubted"])
     positions = result.placed.sites.positions(result.prepared.chamber.mesh)
     for index, position in enumerate(positions.tolist()):
+        residual = float(result.residuals[index])
         writer.writerow(
             [
                 int(result.placed.kept[index]) + 1,
@@ -116,7 +124,7 @@ def samples_csv(result: MappingResult) -> str:
                 f"{result.placed.distances[index]:.3f}",
                 f"{result.placed.values[index]:.6g}",
                 int(result.placed.counts[index]),
-                *(f"{value:.4g}" for value in residuals[index]),
+                f"{residual:.4g}" if math.isfinite(residual) else "",
                 int(index in result.doubted),
             ]
         )
@@ -124,7 +132,10 @@ def samples_csv(result: MappingResult) -> str:
 
 
 def next_points_csv(result: MappingResult) -> str:
-    """Where to sample next, best first, with the error predicted once each is taken."""
+    """Where to sample next, best first, with the error predicted once each is taken.
+
+    The error is empty where nothing is known of the map.
+    """
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(["order", "x_mm", "y_mm", "z_mm", "predicted_nrmse"])
@@ -132,7 +143,7 @@ def next_points_csv(result: MappingResult) -> str:
         zip(result.next_points, result.next_nrmse, strict=True), start=1
     ):
         place = (f"{value:.3f}" for value in point.position.tolist())
-        writer.writerow([order, *place, f"{error:.5f}"])
+        writer.writerow([order, *place, f"{error:.5f}" if math.isfinite(error) else ""])
     return file.getvalue()
 
 
@@ -145,10 +156,11 @@ def map_page(result: MappingResult, figures: Mapping[str, bytes]) -> str:
         "samples_source": result.samples_source,
         "samples_name": printable(result.samples_source.name),
         "n_samples": len(result.placed),
+        "known": not result.knows_nothing,
+        "detail_words": "" if result.knows_nothing else _detail_words(result),
         "area_cm2": prepared.chamber.accessible_area / 100,
         "answer": map_answer(result),
         "cards": _cards(result),
-        "reasons": [printable(reason) for reason in result.verdict.reasons],
         "remarks": [
             printable(str(each)) for each in (*prepared.repairs, *prepared.remarks, *result.remarks)
         ],
@@ -163,40 +175,37 @@ def map_page(result: MappingResult, figures: Mapping[str, bytes]) -> str:
 
 
 def _figures(result: MappingResult) -> dict[str, Callable[[], Figure]]:
-    wanted: dict[str, Callable[[], Figure]] = {
-        "map.png": partial(map_picture, result),
-        "progression.svg": partial(progression_figure, result),
-    }
+    wanted: dict[str, Callable[[], Figure]] = {"map.png": partial(map_picture, result)}
+    if len(result.progression.counts):
+        wanted["progression.svg"] = partial(progression_figure, result)
     if result.cross_validation:
         wanted["validation.svg"] = partial(validation_figure, result)
     return wanted
 
 
 def _cards(result: MappingResult) -> tuple[Card, ...]:
-    unit = f" {result.placed.unit}" if result.placed.unit else ""
-    noise = result.hyperparameters.noise
-    if result.config.cycle_length_ms is not None:
-        noise *= result.config.cycle_length_ms * math.sqrt(2) / (2 * math.pi)
-        unit = unit or " ms"
-    cards = [
-        Card(
-            "Predicted error",
-            percent(result.predicted_nrmse),
-            f"of the map's deviation; target {percent(result.config.target_nrmse)}",
-        ),
-        Card(
-            "Widest gap",
-            f"{number(result.coverage.radius_mm, digits=2)} mm",
-            "from any place to its nearest sample: smaller features can lie there unseen",
-        ),
-        Card(
-            "Noise of a sample",
-            f"{number(noise, digits=2)}{printable(unit)}",
-            "standard deviation, as given"
-            if _is_given(result)
-            else "standard deviation, estimated",
-        ),
-    ]
+    gap = Card(
+        "Widest gap",
+        f"{number(result.coverage.radius_mm, digits=2)} mm",
+        "from any place to its nearest sample: smaller features can lie there unseen",
+    )
+    if result.knows_nothing:
+        return (gap,)
+    error = Card(
+        "Predicted error",
+        percent(result.predicted_nrmse),
+        f"of the map's deviation; target {percent(result.config.target_nrmse)}. "
+        f"{percent(result.smooth_nrmse)} if all that was fitted as noise is noise, and none of it "
+        "detail of the map",
+    )
+    stated = result.noise_stated
+    known = "none stated" if stated is None else f"stated: {_with_unit(stated, result)}"
+    noise = Card(
+        "Noise of a sample",
+        _with_unit(result.noise_fitted, result),
+        f"standard deviation, fitted; {known}",
+    )
+    cards = [error, gap, noise]
     if result.brackets:
         finest = result.brackets[-1]
         cards.append(
@@ -209,8 +218,27 @@ def _cards(result: MappingResult) -> tuple[Card, ...]:
     return tuple(cards)
 
 
-def _is_given(result: MappingResult) -> bool:
-    return result.config.noise is not None or result.placed.noise is not None
+def _detail_words(result: MappingResult) -> str:
+    """Which truth the errors are meant against."""
+    fitted = _with_unit(result.noise_fitted, result)
+    if result.noise_stated is None:
+        return (
+            f"No noise was stated, and the samples alone cannot tell it from detail too fine for "
+            f"them: all that was fitted as noise ({fitted}) counts as detail of the map"
+        )
+    stated = _with_unit(result.noise_stated, result)
+    if result.noise_fitted <= result.noise_stated:
+        return f"The noise stated ({stated}) explains all that was fitted as noise ({fitted})"
+    return (
+        f"Of what was fitted as noise ({fitted}), what goes beyond the noise stated ({stated}) "
+        "counts as detail of the map"
+    )
+
+
+def _with_unit(value: float, result: MappingResult) -> str:
+    """A value of the map with its unit, where that is stated."""
+    unit = printable(result.placed.unit)
+    return f"{number(value, digits=2)} {unit}" if unit else number(value, digits=2)
 
 
 def _tables(result: MappingResult) -> list[Table]:
@@ -234,13 +262,15 @@ def _bandwidth_table(result: MappingResult) -> Table:
 
 
 def _next_table(result: MappingResult) -> Table:
-    points = zip(result.next_points, result.next_nrmse.tolist(), strict=True)
-    rows = tuple(
-        (str(order), *(number(x, digits=4) for x in point.position.tolist()), percent(error))
-        for order, (point, error) in enumerate(points, start=1)
-    )
-    head = ("Next point", "x, mm", "y, mm", "z, mm", "predicted error then")
-    return Table("Where to sample next (frame of the surface's file)", head, rows)
+    known = not result.knows_nothing
+    rows = []
+    for order, (point, error) in enumerate(
+        zip(result.next_points, result.next_nrmse.tolist(), strict=True), start=1
+    ):
+        place = (number(x, digits=4) for x in point.position.tolist())
+        rows.append((str(order), *place, *[percent(error)] * known))
+    head = ("Next point", "x, mm", "y, mm", "z, mm", *["predicted error then"] * known)
+    return Table("Where to sample next (frame of the surface's file)", head, tuple(rows))
 
 
 def _validation_table(result: MappingResult) -> Table:
@@ -248,20 +278,16 @@ def _validation_table(result: MappingResult) -> Table:
         (METHODS[name], number(error.rms), percent(error.relative))
         for name, error in result.cross_validation.items()
     )
-    unit = result.placed.unit if result.config.cycle_length_ms is None else ""
-    head = ("Method", _with_unit("Error", unit), "of the samples' deviation")
+    cyclic = result.config.cycle_length_ms is not None
+    unit = "of cosine and sine, no unit" if cyclic else printable(result.placed.unit)
+    head = ("Method", f"Error, {unit or 'no unit stated'}", "of the samples' deviation")
     return Table("Samples left out, predicted from the others", head, rows)
-
-
-def _with_unit(words: str, unit: str) -> str:
-    """Words with their unit after a comma, where there is one."""
-    return f"{words}, {printable(unit)}" if unit else words
 
 
 def _coverage_table(result: MappingResult) -> Table:
     found = result.coverage
     rows = [
-        ("Samples used", f"{len(result.placed):,}"),
+        ("Places sampled", f"{len(result.placed):,}"),
         ("Density", f"{number(found.density_per_cm2)} per cm²"),
         ("Median distance to the nearest other", f"{number(found.spacing_mm)} mm"),
         ("Farthest place from any sample", f"{number(found.radius_mm)} mm"),
@@ -269,27 +295,58 @@ def _coverage_table(result: MappingResult) -> Table:
             (f"Area within {radius:g} mm of a sample", percent(share))
             for radius, share in found.within.items()
         ),
-        ("Area too sparsely sampled for the map's bandwidth", percent(result.undersampled_share)),
-        (
-            "Mean square of the standardised left-out residuals (1 is right)",
-            number(result.loo_variance),
-        ),
     ]
+    if not result.knows_nothing:
+        rows += [
+            (
+                "Area too sparsely sampled for the map's bandwidth",
+                percent(result.undersampled_share),
+            ),
+            (
+                "Mean square of the standardised left-out residuals (1 is right)",
+                number(result.loo_variance),
+            ),
+        ]
     return Table("The samples", ("Quantity", "Value"), tuple(rows))
 
 
 def _parameters_table(result: MappingResult) -> Table:
-    config, hyper = result.config, result.hyperparameters
-    cycle = config.cycle_length_ms
+    config, cycle = result.config, result.config.cycle_length_ms
     rows = [
         ("Values", field_words(result.placed.name)),
+        ("Unit of the values", printable(result.placed.unit) or "not stated"),
+        ("Noise stated", _noise_words(result)),
+        ("Target error", percent(config.target_nrmse)),
         ("Cycle length", "none" if cycle is None else f"{cycle:g} ms"),
         ("Farthest off the surface", f"{config.max_distance_mm:g} mm"),
         ("Isolated samples count less", "yes" if config.robust else "no"),
-        ("Correlation length (fitted)", f"{number(hyper.length)} mm"),
-        ("Amplitude (fitted)", number(hyper.amplitude)),
+        ("No next point where this field is not 0", printable(config.forbid or "none")),
+        *_fitted_rows(result),
         ("Vertices to simplify to", f"{config.n_vertices:,}"),
         ("Harmonics to solve for", f"{config.n_modes:,}"),
         ("Seed", str(config.seed)),
     ]
     return Table("Parameters of this run", ("Parameter", "Value"), tuple(rows))
+
+
+def _noise_words(result: MappingResult) -> str:
+    config = result.config
+    if config.noise_column is not None:
+        return f"by sample, column {printable(config.noise_column)}"
+    return "none" if config.noise is None else _with_unit(config.noise, result)
+
+
+def _fitted_rows(result: MappingResult) -> list[tuple[str, str]]:
+    found = result.hyperparameters
+    if found is None:
+        return []
+    cyclic = result.config.cycle_length_ms is not None
+    amplitude = (
+        f"{number(found.amplitude)}, of cosine and sine"
+        if cyclic
+        else _with_unit(found.amplitude, result)
+    )
+    return [
+        ("Correlation length (fitted)", f"{number(found.length)} mm"),
+        ("Amplitude (fitted)", amplitude),
+    ]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,6 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 from auricle.arrays import PerVertex, Points, Truths
 from auricle.report.palettes import UNKNOWN, ColourScale
@@ -31,6 +33,9 @@ _DEPTH_MM = 1.5
 _AXES_NOTE = (
     "views by the axes of the file, taken as x to the patient's left, y to the back, z to the head"
 )
+_INSIDE_NOTE = "; dark: the inside, seen through an opening"
+_LABEL_LETTERS = 18
+"""Of a line in the label of a colour bar, which is as long as a row is high."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,15 +115,16 @@ def maps_picture(
     for row, panel in zip(grid, panels, strict=True):
         for axes, raster in zip(row, rasters, strict=True):
             _draw(axes, raster, mesh, panel, marks)
-        row[0].set_ylabel(panel.title)
+        row[0].set_ylabel(panel.title, fontsize="small")
         if panel.scale is not None:
             _add_bar(figure, row, panel)
     for axes, view in zip(grid[0], views, strict=True):
-        axes.set_title(view.name)
+        axes.set_title(view.name, fontsize="medium")
     handles = [*_mark_entries(marks), *_grey_entries(panels)]
     if handles:
         figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
-    figure.supxlabel(_AXES_NOTE, fontsize="x-small")
+    opening = any((raster.faces[~raster.outside] >= 0).any() for raster in rasters)
+    figure.supxlabel(_AXES_NOTE + _INSIDE_NOTE * opening, fontsize="x-small")
     return figure
 
 
@@ -160,9 +166,10 @@ def _draw(axes: Axes, raster: Raster, mesh: Mesh, panel: MapPanel, marks: Sequen
         )
         if group.numbered:
             for index, (x, y, _) in zip(shown.tolist(), places, strict=True):
-                axes.annotate(
-                    str(index + 1), (x, y), xytext=(3, 2), textcoords="offset points", size=6
+                number = axes.annotate(
+                    str(index + 1), (x, y), xytext=(3, 2), textcoords="offset points", size=7
                 )
+                number.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
 
 
 def _dot_size(group: Marks) -> float:
@@ -183,10 +190,22 @@ def _add_bar(figure: Figure, row: Sequence[Axes], panel: MapPanel) -> None:
         ax=row,
         extend=extend.get((below, above), "neither"),
         spacing="uniform",
-        label="\n(".join(scale.label.rsplit(" (", 1)),
     )
+    bar.set_label(_in_lines(scale.label), size="x-small")
     bar.set_ticks(scale.boundaries)
+    bar.ax.tick_params(labelsize="x-small")
     bar.minorticks_off()
+
+
+def _in_lines(label: str) -> str:
+    r"""A label broken into short lines, its unit on one of its own.
+
+    >>> _in_lines("local activation time (ms)")
+    'local activation\ntime\n(ms)'
+    """
+    words, bracket, unit = label.rpartition(" (")
+    lines = wrap(words or label, _LABEL_LETTERS)
+    return "\n".join([*lines, f"({unit}"] if bracket else wrap(label, _LABEL_LETTERS))
 
 
 def _mark_entries(marks: Sequence[Marks]) -> list[Line2D]:

@@ -1,14 +1,17 @@
 """Figures of a sampling plan: the points on the surface, the error against their number."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
 from auricle.report.labels import figure_text, unit_of, with_unit
 from auricle.report.maps import MapPanel, Marks, maps_picture
 from auricle.report.palettes import ColourScale, round_boundaries
 from auricle.report.wording import field_words
-from auricle.study.planning import PlanResult
+from auricle.simulation.map_classes import MAP_CLASSES
+from auricle.study.plan_result import PlanResult
+from auricle.surface.field import FieldMap
 
 WIDTH = 7.0
 _COLOURS = {"planned": "#0072b2", "unplanned": "#d55e00"}
@@ -18,34 +21,35 @@ WAVELENGTHS = (5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 70.0, 100.0)
 
 def plan_picture(result: PlanResult) -> Figure:
     """The planned points on the surface, over an example of the map and what they support."""
-    panels = []
-    if result.example is not None:
-        values = result.example.values
-        boundaries = tuple(float(edge) for edge in round_boundaries(values))
-        title = (
-            "such a map"
-            if result.config.map_class
-            else figure_text(field_words(result.example.name))
-        )
-        label = with_unit("such a map", unit_of(result.example))
-        panels.append(
-            MapPanel(title, values, ColourScale("perceptual", boundaries, label), "not sampled")
-        )
+    panels = [] if result.example is None else [_example_panel(result, result.example)]
     panels.append(wavelength_panel(result.wavelengths))
-    marks = [Marks("planned points", result.positions)]
+    marks = []
+    if len(result.positions):
+        marks.append(Marks("planned points", result.positions))
     if len(result.existing):
         taken = result.existing.positions(result.prepared.chamber.mesh)
         marks.append(Marks("taken already", taken, colour="#d00000"))
     return maps_picture(result.prepared.surface, panels, marks=marks)
 
 
+def _example_panel(result: PlanResult, example: FieldMap) -> MapPanel:
+    """One such map: of a class as drawn, of times within a cycle in colours that close."""
+    boundaries = tuple(float(edge) for edge in round_boundaries(example.values))
+    name = "such a map" if result.config.map_class else figure_text(field_words(example.name))
+    kind = MAP_CLASSES.get(result.config.map_class or "")
+    cyclic = result.config.cycle_length_ms is not None or (kind is not None and kind.is_circular)
+    palette = "cyclic" if cyclic else "perceptual"
+    label = with_unit(name, unit_of(example))
+    return MapPanel(
+        "such a map", example.values, ColourScale(palette, boundaries, label), "unknown"
+    )
+
+
 def wavelength_panel(wavelengths: np.ndarray) -> MapPanel:
     """What the samples support, as a map: grey where not even the longest waves are."""
     values = np.where(np.isfinite(wavelengths), wavelengths, np.nan)
     scale = ColourScale("distance", WAVELENGTHS, "finest wavelength (mm)")
-    return MapPanel(
-        "supported", values, scale, "nothing supported" if np.isnan(values).any() else ""
-    )
+    return MapPanel("finest detail", values, scale, "no detail supported")
 
 
 def need_figure(result: PlanResult) -> Figure:
@@ -62,17 +66,28 @@ def need_figure(result: PlanResult) -> Figure:
         errors = [100 * target for target in found]
         axes.plot(errors, list(found.values()), "o-", color=colour, label=label)
     axes.axvline(100 * result.config.target_nrmse, color="#777777", lw=0.8)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_major_formatter("{x:,.0f}")
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xticks([100 * target for target in sorted({key[0] for key in result.by_target})])
+    logarithmic(axes)
+    axes.xaxis.set_major_locator(
+        FixedLocator([100 * target for target in sorted({key[0] for key in result.by_target})])
+    )
     axes.set_xlabel("error, nRMSE (% of the map's deviation); line: the target")
     axes.set_ylabel("points to take (number)")
-    axes.grid(color="#e4e4e4", lw=0.5, which="both")
-    axes.legend(frameon=False)
+    if axes.lines[0].get_xdata():
+        axes.legend(frameon=False)
+    else:
+        axes.text(0.5, 0.5, "none of these errors can be reached", transform=axes.transAxes)
     return figure
+
+
+def logarithmic(axes: Axes) -> None:
+    """Both axes logarithmic, with plain numbers at 1, 2 and 5 times the powers of ten."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter("{x:,g}")
+        axis.set_minor_formatter(NullFormatter())
+    axes.grid(color="#e4e4e4", lw=0.5)
 
 
 def tail_figure(result: PlanResult) -> Figure:
@@ -87,15 +102,9 @@ def tail_figure(result: PlanResult) -> Figure:
     label = f"{share} of maps lie below" if result.tails.n_maps > 1 else "the map"
     axes.plot(counts, used, color="#0072b2", lw=1.8, label=label)
     axes.axhline(100 * result.config.target_nrmse, color="#777777", lw=0.8, label="target")
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    logarithmic(axes)
     axes.set_ylim(max(0.1, float(used[used > 0].min(initial=100.0)) / 2), 130)
-    axes.xaxis.set_major_formatter("{x:,.0f}")
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("harmonics k (number)")
     axes.set_ylabel("error that remains, nRMSE (%)")
-    axes.set_title(figure_text(result.wanted), fontsize="medium")
-    axes.grid(color="#e4e4e4", lw=0.5)
     axes.legend(frameon=False)
     return figure

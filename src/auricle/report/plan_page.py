@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -19,7 +20,7 @@ from auricle.report.tables import Table
 from auricle.report.wording import counted, number, percent, printable
 from auricle.sampling.literature import FILL_DISTANCES_MM, samples_for_fill, second_opinions
 from auricle.sampling.recommendation import ACQUISITIONS
-from auricle.study.planning import PlanResult
+from auricle.study.plan_result import PlanResult
 from auricle.study.sampling_store import plan_document
 from auricle.study.store import json_text
 
@@ -67,25 +68,39 @@ class Card:
 
 
 def plan_answer(result: PlanResult) -> str:
-    """The answer in a sentence."""
-    advised, config = result.recommendation, result.config
-    target = percent(config.target_nrmse)
+    """The answer in a sentence, or two where points are given or taken already."""
+    advised = result.recommendation
+    asked = f"{printable(result.wanted)} with an error of {percent(result.config.target_nrmse)}"
     if advised.unreachable is not None:
-        return (
-            f"An error of {target} cannot be reached for {printable(result.wanted)}: "
-            f"{advised.unreachable}. The least error to expect is "
-            f"{percent(advised.predicted_nrmse)}."
+        sentence = (
+            f"No number of points maps {asked}: {printable(advised.unreachable)}. The least error "
+            f"to expect is {percent(advised.predicted_nrmse)}."
         )
-    how = "evenly spread" if config.acquisition == "planned" else "taken wherever the catheter is"
-    spacing = number(advised.spacing_mm or 0.0, digits=2)
-    sentence = (
-        f"Take {advised.n_samples:,} points, {how}, one every {spacing} mm, to map "
-        f"{printable(result.wanted)} with an error of {target}"
-    )
-    if not len(result.existing):
-        return sentence + "."
-    more = 0 if result.plan is None else len(result.plan.planned)
-    return f"{sentence}; {len(result.existing):,} are taken, {more:,} more are planned."
+    else:
+        evenly = result.config.acquisition == "planned"
+        how = "evenly spread" if evenly else "taken wherever the catheter is"
+        spacing = number(advised.spacing_mm or 0.0, digits=2)
+        points = counted(advised.n_samples or 0, "point")
+        sentence = f"Take {points}, {how}, one every {spacing} mm, to map {asked}."
+    return " ".join([sentence, *_about_plan(result)])
+
+
+def _about_plan(result: PlanResult) -> tuple[str, ...]:
+    """What is planned, where that is not the number recommended, one at a time."""
+    plan, config = result.plan, result.config
+    by_itself = config.n_samples is None and not len(result.existing) and config.catheter is None
+    if plan is None or by_itself:
+        return ()
+    taken, planned = len(result.existing), len(result.positions)
+    parts = [f"{counted(taken, 'point')} taken already"] * bool(taken)
+    if result.placements is not None:
+        placements = counted(len(result.placements.centres), "placement")
+        parts.append(f"{counted(planned, 'electrode')} in {placements} planned")
+    elif planned:
+        parts.append(f"{planned:,} planned")
+    error = percent(plan.predicted_nrmse)
+    enough = "" if planned else "; no more are needed"
+    return (f"Here: {' and '.join(parts)}{enough}; plain least squares then errs by {error}.",)
 
 
 def write_plan(result: PlanResult, folder: Path, *, progress: Progress = silent) -> Path:
@@ -101,8 +116,7 @@ def write_plan(result: PlanResult, folder: Path, *, progress: Progress = silent)
     document = json_text(plan_document(result))
     for name, content in figures.items():
         write_bytes(folder / "figures" / name, content)
-    if result.plan is not None:
-        write_text(folder / "points.csv", points_csv(result))
+    write_text(folder / "points.csv", points_csv(result))
     write_text(folder / "report.html", page)
     write_text(folder / "timings.json", json_text({"wall_s": dict(result.seconds)}))
     write_text(folder / "result.json", document)
@@ -110,12 +124,19 @@ def write_plan(result: PlanResult, folder: Path, *, progress: Progress = silent)
 
 
 def points_csv(result: PlanResult) -> str:
-    """The planned points in the order to take them, in the frame of the surface's file."""
+    """The planned points in the order to take them, in the frame of the surface's file.
+
+    Of a catheter with the number of its placement and of the electrode in it, from 1.
+    """
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(["order", "x_mm", "y_mm", "z_mm"])
-    for order, position in enumerate(result.positions.tolist(), start=1):
-        writer.writerow([order, *(f"{value:.3f}" for value in position)])
+    placed = result.placements
+    writer.writerow(["order", "x_mm", "y_mm", "z_mm", *["placement", "electrode"] * bool(placed)])
+    for index, position in enumerate(result.positions.tolist()):
+        row = [str(index + 1), *(f"{value:.3f}" for value in position)]
+        if placed is not None:
+            row += [str(placed.placement[index] + 1), str(placed.electrode[index] + 1)]
+        writer.writerow(row)
     return file.getvalue()
 
 
@@ -143,8 +164,8 @@ def plan_page(result: PlanResult, figures: Mapping[str, bytes]) -> str:
         "tables": [_need_table(result), _opinion_table(result)],
         "source_words": source_words,
         "per_harmonic": ACQUISITIONS[config.acquisition].per_harmonic,
-        "design_words": _DESIGNS[config.design],
-        "bound": "" if plan is None else f"Bound for least squares: {plan.bound.statement}.",
+        "design_words": _design_words(result),
+        "bound": _bound_words(result),
         "radius_mm": None if plan is None else plan.coverage.radius_mm,
         "parameters": _parameters_table(result),
         "versions": [f"{name} {version}" for name, version in result.versions.items()],
@@ -162,37 +183,60 @@ def _figures(result: PlanResult) -> dict[str, Callable[[], Figure]]:
     return wanted
 
 
+def _design_words(result: PlanResult) -> str:
+    if not len(result.positions):
+        return ""
+    if result.placements is None:
+        return f"The points are placed {_DESIGNS[result.config.design]}."
+    off = result.placements.n_off
+    return (
+        f"The catheter ({printable(str(result.config.catheter))}) is laid one after another where "
+        "the surface is farthest from all placements before; "
+        f"{counted(off, 'electrode')} of it fall off the surface and are left out."
+    )
+
+
+def _bound_words(result: PlanResult) -> str:
+    if result.plan is None or not math.isfinite(result.plan.bound.nrmse):
+        return ""
+    return f"Bound for least squares: {result.plan.bound.statement}."
+
+
 def _cards(result: PlanResult) -> tuple[Card, ...]:
     plan, advised = result.plan, result.recommendation
     if plan is None:
         return ()
-    coverage = plan.coverage
-    return (
+    coverage, taken = plan.coverage, len(result.existing)
+    cards = [
         Card(
             "Points planned",
-            f"{len(plan.planned):,}",
-            f"{number(coverage.density_per_cm2, digits=2)} per cm² with those taken; neighbours "
+            f"{len(result.positions):,}",
+            (f"beside {taken:,} taken already; " if taken else "")
+            + f"{number(coverage.density_per_cm2, digits=2)} per cm² in all; neighbours "
             f"{number(coverage.spacing_mm, digits=2)} mm apart in the median",
         ),
         Card(
-            "Error to expect",
+            "Error by least squares",
             percent(plan.predicted_nrmse),
             f"of the map's deviation, from the {counted(plan.n_modes, 'harmonic')} these points "
-            f"hold; {plan.stability.verdict} (noise gain {number(plan.stability.noise_gain)})",
+            f"hold; {plan.stability.verdict} (noise gain {number(plan.stability.noise_gain)}). The "
+            "number recommended is for the Gaussian process of auricle reconstruct",
         ),
         Card(
             "Widest gap",
             f"{number(coverage.radius_mm, digits=2)} mm",
             "from any place to its nearest point: smaller features can stay unseen",
         ),
-        Card(
-            "Finest detail",
-            "–"
-            if advised.wavelength_mm is None
-            else f"{number(advised.wavelength_mm, digits=2)} mm",
-            "wavelength of the finest harmonic the number is made for",
-        ),
-    )
+    ]
+    if advised.wavelength_mm is not None:
+        cards.append(
+            Card(
+                "Finest detail",
+                f"{number(advised.wavelength_mm, digits=2)} mm",
+                "wavelength of the finest harmonic the recommended number is made for",
+            )
+        )
+    return tuple(cards)
 
 
 def _need_table(result: PlanResult) -> Table:
@@ -244,7 +288,14 @@ def _parameters_table(result: PlanResult) -> Table:
         ("Target error", percent(config.target_nrmse)),
         ("Noise of a sample, relative to the map's deviation", percent(config.noise_ratio)),
         ("Samples", config.acquisition),
-        ("Design", config.design.replace("_", " ")),
+        ("Catheter", config.catheter or "one point at a time"),
+        ("Design of single points", config.design.replace("_", " ")),
+        ("Points asked for", "as needed" if config.n_samples is None else f"{config.n_samples:,}"),
+        ("No points where this field is not 0", printable(config.forbid or "none")),
+        (
+            "Cycle length",
+            "none" if config.cycle_length_ms is None else f"{config.cycle_length_ms:g} ms",
+        ),
         ("Vertices to simplify to", f"{config.n_vertices:,}"),
         ("Harmonics to solve for", f"{config.n_modes:,}"),
         ("Seed", str(config.seed)),

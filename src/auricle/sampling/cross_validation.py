@@ -1,16 +1,18 @@
 """Cross-validation: how well each method predicts samples that were kept from it."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from auricle.arrays import Floats, Integers
 from auricle.errors import InputError
+from auricle.progress import Progress, silent
 from auricle.sampling.baselines import BASELINES, Interpolator
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.gaussian_process import GaussianProcess
-from auricle.sampling.reconstruction import Hyperparameters
+from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.sites import Sites
 
 N_FOLDS = 10
@@ -38,14 +40,40 @@ class PredictionError:
     relative: float
 
 
+def from_some(
+    process: GaussianProcess, values: Floats, hyperparameters: Hyperparameters, seen: Integers
+) -> Reconstruction:
+    """The map that some of the samples give under the hyper-parameters of all.
+
+    Each keeps the noise it has among all.
+
+    Parameters
+    ----------
+    process
+        On the sites of all samples.
+    values
+        Of all, shape (m,) or (m, c).
+    hyperparameters
+        Fitted to all.
+    seen
+        Indices of those used.
+    """
+    shape = process.noise_shape[seen]
+    part = GaussianProcess(
+        process.chamber, process.sites[seen], noise_shape=shape, n_modes=process.n_modes
+    )
+    # A process takes the noise as the root mean square over its own samples.
+    level = hyperparameters.noise * math.sqrt(np.square(shape).mean())
+    return part.given(values[seen], replace(hyperparameters, noise=level))
+
+
 def cross_validated(
-    chamber: Chamber,
-    sites: Sites,
+    process: GaussianProcess,
     values: Floats,
     hyperparameters: Hyperparameters,
     *,
     rng: np.random.Generator,
-    noise_shape: Floats | None = None,
+    progress: Progress = silent,
 ) -> Mapping[str, PredictionError]:
     """Errors of the Gaussian process and of every baseline on the same samples left out.
 
@@ -55,16 +83,16 @@ def cross_validated(
 
     Parameters
     ----------
-    chamber, sites
-        Where the samples are.
+    process
+        On the sites of the samples.
     values
         Shape (m,), or (m, c) for maps of several columns: the errors are then of all together.
     hyperparameters
         Of the process.
     rng
         Deals the folds.
-    noise_shape
-        As `GaussianProcess` takes it.
+    progress
+        Told the folds predicted.
 
     Returns
     -------
@@ -76,26 +104,34 @@ def cross_validated(
     InputError
         If there are fewer than `FEWEST_SAMPLES`, or they are all equal.
     """
-    if len(sites) < FEWEST_SAMPLES:
+    n_samples = len(process.sites)
+    if n_samples < FEWEST_SAMPLES:
         raise InputError(
-            f"{len(sites)} samples are too few to leave some out: take {FEWEST_SAMPLES} at least"
+            f"{n_samples} samples are too few to leave some out: take {FEWEST_SAMPLES} at least"
         )
     columns = values.reshape(len(values), -1)
     spread = float(np.sqrt(np.square(columns - columns.mean(axis=0)).sum(axis=1).mean()))
     if not spread > 0:
         raise InputError("all samples are equal: there is nothing to predict")
-    folds = np.array_split(rng.permutation(len(sites)), N_FOLDS)
+    folds = np.array_split(rng.permutation(n_samples), N_FOLDS)
 
-    def process(seen: Integers) -> Floats:
-        shape = None if noise_shape is None else noise_shape[seen]
-        fitted = GaussianProcess(chamber, sites[seen], noise_shape=shape)
-        return fitted.given(values[seen], hyperparameters).mean
+    def predicted(seen: Integers) -> Floats:
+        return from_some(process, values, hyperparameters, seen).mean
 
-    predictors = {OURS: process, **dict(_baselines(chamber, sites, values))}
-    return {
-        name: _error(predictor, folds, sites, values, spread)
-        for name, predictor in predictors.items()
+    predictors: dict[str, Predictor] = {
+        OURS: predicted,
+        **dict(_baselines(process.chamber, process.sites, values)),
     }
+    squares: dict[str, list[Floats]] = {name: [] for name in predictors}
+    for index, fold in enumerate(folds):
+        progress("leave samples out", index, N_FOLDS)
+        seen = np.setdiff1d(np.arange(n_samples), fold)
+        for name, predictor in predictors.items():
+            off = process.sites[fold].of(predictor(seen)) - values[fold]
+            squares[name].append(np.square(off.reshape(len(fold), -1)).sum(axis=1))
+    progress("leave samples out", N_FOLDS, N_FOLDS)
+    rms = {name: float(np.sqrt(np.concatenate(each).mean())) for name, each in squares.items()}
+    return {name: PredictionError(error, error / spread) for name, error in rms.items()}
 
 
 def _baselines(chamber: Chamber, sites: Sites, values: Floats) -> Iterator[tuple[str, Predictor]]:
@@ -104,15 +140,3 @@ def _baselines(chamber: Chamber, sites: Sites, values: Floats) -> Iterator[tuple
 
     for name, interpolate in BASELINES.items():
         yield name, predictor(interpolate)
-
-
-def _error(
-    predictor: Predictor, folds: list[Integers], sites: Sites, values: Floats, spread: float
-) -> PredictionError:
-    squares = []
-    for fold in folds:
-        seen = np.setdiff1d(np.arange(len(sites)), fold)
-        off = sites[fold].of(predictor(seen)) - values[fold]
-        squares.append(np.square(off.reshape(len(fold), -1)).sum(axis=1))
-    rms = float(np.sqrt(np.concatenate(squares).mean()))
-    return PredictionError(rms, rms / spread)

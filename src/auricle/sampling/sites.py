@@ -61,7 +61,9 @@ class Sites:
 
     def __getitem__(self, chosen: ArrayLike) -> "Sites":
         """The sites with these indices, or those that are true."""
-        return Sites(self.corners[np.asarray(chosen)], self.weights[np.asarray(chosen)])
+        index = np.asarray(chosen)
+        index = index if index.size else index.astype(np.int64)
+        return Sites(self.corners[index], self.weights[index])
 
     def of(self, values: Floats) -> Floats:
         """What a map with these values at the vertices, shape (n,) or (n, c), is at the sites.

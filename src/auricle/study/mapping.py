@@ -1,34 +1,35 @@
 """Mapping one case: a map rebuilt from samples, how sure it is, and where to sample next."""
 
+import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from auricle.arrays import Floats, Integers, PerVertex, Truths
+from auricle.arrays import PerVertex, Truths
 from auricle.errors import BandError, InputError
 from auricle.progress import Progress, silent
 from auricle.sampling.bandwidth import Bracket, bracket
 from auricle.sampling.chamber import Chamber
-from auricle.sampling.circular import CircularReconstruction, fit_circular
 from auricle.sampling.coverage import coverage
 from auricle.sampling.cross_validation import (
     FEWEST_SAMPLES,
     PredictionError,
     cross_validated,
+    from_some,
 )
 from auricle.sampling.gaussian_process import GaussianProcess
 from auricle.sampling.local_nyquist import LocalNyquist, local_nyquist, modal_transfer
 from auricle.sampling.next_point import NextPoint, next_points
 from auricle.sampling.optimal_design import Prior
 from auricle.sampling.reconstruction import Reconstruction
-from auricle.sampling.robust import fit_robustly
 from auricle.sampling.running_posterior import RunningPosterior
 from auricle.sampling.samples import PlacedSamples, Samples, place
 from auricle.sampling.samples_file import read_samples
-from auricle.sampling.stopping import Evidence, verdict
+from auricle.sampling.stopping import Evidence, Verdict, verdict
+from auricle.study.fitting import FittedMap, fitted_map
 from auricle.study.mapping_result import MappingConfig, MappingResult, Progression
 from auricle.study.preparation import PreparedSurface, prepare
 from auricle.study.provenance import source_of, versions
@@ -36,16 +37,6 @@ from auricle.study.result import Source
 
 N_PREFIXES = 12
 """Numbers of samples at which the error of the samples so far is told."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Fitted:
-    """What the fit of either kind of map gives."""
-
-    process: GaussianProcess
-    reconstruction: Reconstruction
-    circular: CircularReconstruction | None
-    doubted: Integers
 
 
 def map_samples(
@@ -89,19 +80,25 @@ def map_samples(
         n_vertices=config.n_vertices,
         n_modes=config.n_modes,
         seed=config.seed,
+        needed=() if config.forbid is None else (config.forbid,),
         progress=progress,
     )
     solved = time.perf_counter()
     placed = _placed(samples, read, prepared.chamber, config)
     rebuilt = rebuilt_map(
-        prepared, placed, config, source=source_of(samples), validate=validate, progress=progress
+        prepared,
+        (len(read), placed),
+        config,
+        source=source_of(samples),
+        validate=validate,
+        progress=progress,
     )
     return replace(rebuilt, seconds={"prepare": solved - begin, **rebuilt.seconds})
 
 
 def rebuilt_map(
     prepared: PreparedSurface,
-    placed: PlacedSamples,
+    samples: tuple[int, PlacedSamples],
     config: MappingConfig,
     *,
     source: Source,
@@ -114,10 +111,10 @@ def rebuilt_map(
     ----------
     prepared
         The surface.
-    placed
-        The samples on it.
+    samples
+        How many there were, and those that could be placed on it.
     config
-        The parameters; of them those that read files or solve for harmonics are only recorded.
+        The parameters; those of reading files and solving for harmonics are only recorded.
     source
         Where the samples come from.
     validate, progress
@@ -129,60 +126,55 @@ def rebuilt_map(
         If a parameter is at fault.
     """
     begin = time.perf_counter()
-    progress("rebuild map", 0, 4)
-    chamber = prepared.chamber
-    fitted = _fitted(
-        GaussianProcess(chamber, placed.sites, noise_shape=placed.noise_shape), placed, config
-    )
-    found = fitted.reconstruction
-    progress("rebuild map", 1, 4)
-    nyquist = _nyquist(fitted)
-    brackets = _brackets(found)
-    aimed = _aimed(found, config.target_nrmse)
-    undersampled = _undersampled(nyquist, aimed, prepared)
-    progress("rebuild map", 2, 4)
-    ahead = _next(found, config.n_next)
-    progress("rebuild map", 3, 4)
-    validation = _validation(fitted, placed, config) if validate else {}
-    progress("rebuild map", 4, 4)
+    chamber, placed = prepared.chamber, samples[1]
+    progress("rebuild map", 1, 5)
+    process = GaussianProcess(chamber, placed.sites, noise_shape=placed.noise_shape)
+    fitted = fitted_map(process, placed, config)
+    found, known = fitted.reconstruction, not fitted.reconstruction.knows_nothing
+    progress("rebuild map", 2, 5)
     n = prepared.surface.n_vertices
-    mean, std, singular = _on_surface(fitted, n)
+    nyquist = _nyquist(fitted)
+    aimed = _aimed(found, config.target_nrmse)
+    undersampled = _undersampled(nyquist, aimed if known else None, prepared)
     share = chamber.mean(undersampled.astype(float))
-    judged = verdict(
-        Evidence(
-            n_samples=len(placed),
-            knows_nothing=found.knows_nothing,
-            target_nrmse=config.target_nrmse,
-            predicted_nrmse=found.predicted_nrmse,
-            bracket=aimed,
-            undersampled_share=share,
-            loo_variance=found.standardized_variance,
-        )
-    )
+    progress("rebuild map", 3, 5)
+    ahead = _next(fitted, prepared, config)
+    progress("rebuild map", 4, 5)
+    progression = _progression(fitted, placed) if known else Progression.nothing()
+    judged = _judged(fitted, (aimed, share), samples, config)
+    around = coverage(chamber, placed.sites)
+    progress("rebuild map", 5, 5)
+    mean, std, singular = _on_surface(fitted, n)
+    drops = np.cumsum([point.expected_drop for point in ahead])
+    validation = _validation(fitted, config, progress) if validate else {}
     return MappingResult(
         prepared=prepared,
         config=config,
         samples_source=source,
         placed=placed,
-        hyperparameters=found.hyperparameters,
+        knows_nothing=not known,
+        hyperparameters=found.hyperparameters if known else None,
+        noise_fitted=fitted.noise if known else math.nan,
+        noise_stated=fitted.stated,
         mean=mean,
         std=std,
         singular=singular,
-        wavelengths=nyquist.wavelengths[:n],
+        wavelengths=nyquist.wavelengths[:n] if known else np.full(n, np.inf),
         undersampled=undersampled[:n],
         undersampled_share=share,
-        predicted_nrmse=found.predicted_nrmse,
-        loo_variance=found.standardized_variance,
-        residuals=found.leave_one_out[0],
+        predicted_nrmse=fitted.predicted_nrmse if known else math.nan,
+        smooth_nrmse=fitted.smooth_nrmse if known else math.nan,
+        loo_variance=found.standardized_variance if known else math.nan,
+        residuals=fitted.residuals if known else np.full(len(placed), np.nan),
         doubted=fitted.doubted,
-        brackets=brackets,
-        coverage=coverage(chamber, placed.sites),
+        brackets=_brackets(found) if known else (),
+        coverage=around,
         verdict=judged,
         next_points=ahead,
-        next_nrmse=_errors_after(found, ahead),
-        progression=_progression(fitted, placed),
+        next_nrmse=fitted.nrmse_after(drops) if known else np.full(len(ahead), np.nan),
+        progression=progression,
         cross_validation=validation,
-        remarks=_remarks(fitted, placed),
+        remarks=_remarks(fitted, placed, config),
         versions=versions(),
         seconds={"rebuild": time.perf_counter() - begin},
     )
@@ -201,28 +193,40 @@ def _placed(path: Path, samples: Samples, chamber: Chamber, config: MappingConfi
         raise InputError(f"{path}: {fault}") from fault
 
 
-def _fitted(process: GaussianProcess, placed: PlacedSamples, config: MappingConfig) -> _Fitted:
-    noise = config.noise if config.noise is not None else placed.noise_level
-    nobody = np.zeros(0, dtype=np.int64)
-    if config.cycle_length_ms is not None:
-        circular = fit_circular(process, placed.values, config.cycle_length_ms, noise=noise)
-        return _Fitted(process, circular.components, circular, nobody)
-    if config.robust:
-        robust = fit_robustly(process, placed.values, noise=noise)
-        return _Fitted(process, robust.reconstruction, None, robust.doubted)
-    return _Fitted(process, process.fit(placed.values, noise=noise), None, nobody)
+def _judged(
+    fitted: FittedMap,
+    bandwidth: tuple[Bracket | None, float],
+    samples: tuple[int, PlacedSamples],
+    config: MappingConfig,
+) -> Verdict:
+    n_read, placed = samples
+    aimed, undersampled_share = bandwidth
+    found = fitted.reconstruction
+    return verdict(
+        Evidence(
+            n_samples=len(placed),
+            knows_nothing=found.knows_nothing,
+            target_nrmse=config.target_nrmse,
+            predicted_nrmse=fitted.predicted_nrmse,
+            bracket=aimed,
+            undersampled_share=undersampled_share,
+            loo_variance=found.standardized_variance,
+            left_out_share=1 - int(placed.counts.sum()) / n_read,
+        )
+    )
 
 
-def _on_surface(fitted: _Fitted, n: int) -> tuple[PerVertex, PerVertex, Truths]:
-    """Map, deviation and singular places at the surface's own vertices."""
-    circular = fitted.circular
-    if circular is None:
-        found = fitted.reconstruction
-        return found.mean[:n], found.std[:n], np.zeros(n, dtype=bool)
-    return circular.time[:n], circular.std[:n], circular.singular[:n]
+def _on_surface(fitted: FittedMap, n: int) -> tuple[PerVertex, PerVertex, Truths]:
+    """Map, deviation and singular places at the surface's own vertices; NaN if nothing is known."""
+    nowhere = np.zeros(n, dtype=bool)
+    if fitted.reconstruction.knows_nothing:
+        return np.full(n, np.nan), np.full(n, np.nan), nowhere
+    if fitted.circular is None:
+        return fitted.reconstruction.mean[:n], fitted.std[:n], nowhere
+    return fitted.circular.time[:n], fitted.std[:n], fitted.circular.singular[:n]
 
 
-def _nyquist(fitted: _Fitted) -> LocalNyquist:
+def _nyquist(fitted: FittedMap) -> LocalNyquist:
     found, chamber = fitted.reconstruction, fitted.process.chamber
     noise = max(found.hyperparameters.noise, 1e-6 * found.hyperparameters.amplitude)
     prior = Prior(found.posterior.prior_variances, noise)
@@ -271,65 +275,66 @@ def _undersampled(
     return coarse
 
 
-def _next(found: Reconstruction, count: int) -> tuple[NextPoint, ...]:
-    if not count:
+def _next(
+    fitted: FittedMap, prepared: PreparedSurface, config: MappingConfig
+) -> tuple[NextPoint, ...]:
+    if not config.n_next:
         return ()
-    chamber, posterior = found.chamber, found.posterior
-    k = len(posterior.prior_variances)
+    found, chamber = fitted.reconstruction, prepared.chamber
+    allowed = None if config.forbid is None else prepared.allowed_by(config.forbid)
+    k = len(found.posterior.prior_variances)
     values = found.values.reshape(len(found.values), -1)[:, 0]
-    running = RunningPosterior.of(chamber, chamber.accessible_gram[:k, :k], posterior, values)
-    return next_points(running, count, found.hyperparameters.noise**2)
+    gram = chamber.accessible_gram[:k, :k]
+    running = RunningPosterior.of(chamber, gram, found.posterior, values)
+    noise_variance = (fitted.noise / fitted.unit) ** 2
+    return next_points(running, config.n_next, noise_variance, allowed=allowed)
 
 
-def _errors_after(found: Reconstruction, points: tuple[NextPoint, ...]) -> Floats:
-    """Predicted error once each of the points, and those before it, is taken, shape (c,)."""
-    now = found.chamber.mean(found.variance)
-    left = 1 - np.cumsum([point.expected_drop for point in points]) / now
-    errors: Floats = found.predicted_nrmse * np.sqrt(np.maximum(left, 0.0))
-    return errors
-
-
-def _progression(fitted: _Fitted, placed: PlacedSamples) -> Progression:
+def _progression(fitted: FittedMap, placed: PlacedSamples) -> Progression:
     """Predicted error of the first so many samples, in the order of the file."""
-    chamber, found = fitted.process.chamber, fitted.reconstruction
+    found = fitted.reconstruction
     order = np.argsort(placed.kept, kind="stable")
     first = min(5, len(order))
     counts = np.unique(np.rint(np.geomspace(first, len(order), N_PREFIXES)).astype(np.int64))
-    errors = []
-    for count in counts.tolist():
-        some = order[:count]
-        part = GaussianProcess(
-            chamber,
-            placed.sites[some],
-            noise_shape=placed.noise_shape[some],
-            n_modes=fitted.process.n_modes,
+    errors = [
+        fitted.nrmse_of(
+            from_some(fitted.process, found.values, found.hyperparameters, order[:count])
         )
-        errors.append(part.given(found.values[some], found.hyperparameters).predicted_nrmse)
+        for count in counts.tolist()
+    ]
     return Progression(counts, np.array(errors))
 
 
 def _validation(
-    fitted: _Fitted, placed: PlacedSamples, config: MappingConfig
+    fitted: FittedMap, config: MappingConfig, progress: Progress
 ) -> Mapping[str, PredictionError]:
     found = fitted.reconstruction
-    if len(placed) < FEWEST_SAMPLES or found.knows_nothing:
+    if len(found.values) < FEWEST_SAMPLES or found.knows_nothing:
         return {}
     return cross_validated(
-        found.chamber,
-        placed.sites,
+        fitted.process,
         found.values,
         found.hyperparameters,
         rng=np.random.default_rng(config.seed),
-        noise_shape=placed.noise_shape,
+        progress=progress,
     )
 
 
-def _remarks(fitted: _Fitted, placed: PlacedSamples) -> tuple[str, ...]:
+def _remarks(fitted: FittedMap, placed: PlacedSamples, config: MappingConfig) -> tuple[str, ...]:
     remarks = list(placed.remarks)
     if fitted.reconstruction.knows_nothing:
+        cause = "fewer than five samples" if len(placed) < 5 else "all equal or all in one place"
         remarks.append(
-            f"{len(placed)} samples, or all equal, or all in one place: nothing can be said of "
-            "the map away from them, and the numbers of error are guesses"
+            f"nothing is known of the map ({cause}): no map, no error and no uncertainty is given, "
+            "only where to go on"
+        )
+    elif fitted.stated is None and fitted.smooth_nrmse <= config.target_nrmse < (
+        fitted.predicted_nrmse
+    ):
+        remarks.append(
+            f"what was fitted as noise ({fitted.noise:.3g}{_unit(placed)}) counts as detail of the "
+            "map, as no noise was stated: state that of a sample, if it is known, and only the "
+            "rest counts"
         )
     if len(fitted.doubted):
         remarks.append(
@@ -337,3 +342,7 @@ def _remarks(fitted: _Fitted, placed: PlacedSamples) -> tuple[str, ...]:
             "count less"
         )
     return tuple(remarks)
+
+
+def _unit(placed: PlacedSamples) -> str:
+    return f" {placed.unit}" if placed.unit else ""

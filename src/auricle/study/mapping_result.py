@@ -1,7 +1,10 @@
 """What mapping a case takes and gives: the parameters and the result of a reconstruction."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from auricle.arrays import Floats, Integers, PerVertex, Truths
 from auricle.errors import InputError
@@ -27,7 +30,7 @@ class MappingConfig:
     columns
         Names of the columns with the positions, where they are not x, y and z.
     noise
-        Standard deviation of a sample, in the values' unit; None: estimated.
+        Standard deviation of a sample, in the values' unit; None: not known.
     cycle_length_ms
         Period of activation times that wrap round.
     max_distance_mm
@@ -38,6 +41,8 @@ class MappingConfig:
         Error at which sampling is enough.
     n_next
         How many next points to propose.
+    forbid
+        Name of a field of the surface: no next point where it is not 0.
     n_vertices, n_modes
         Vertices to simplify to, harmonics to solve for.
     seed
@@ -53,6 +58,7 @@ class MappingConfig:
     robust: bool = False
     target_nrmse: float = 0.1
     n_next: int = 5
+    forbid: str | None = None
     n_vertices: int = N_VERTICES
     n_modes: int = N_MODES
     seed: int = 1
@@ -60,12 +66,21 @@ class MappingConfig:
     def __post_init__(self) -> None:
         if not 0 < self.target_nrmse < 1:
             raise InputError(f"a target error of {self.target_nrmse}: give more than 0, below 1")
+        if self.noise is not None and not 0 <= self.noise < math.inf:
+            raise InputError(f"a noise of {self.noise}: give 0 or a positive number")
         if self.noise is not None and self.noise_column is not None:
-            raise InputError("the noise is given twice: as a number and as a column")
+            raise InputError("the noise is given twice: as a number and as a column: give one")
+        _require_positive(self.cycle_length_ms, "a cycle length of {} ms")
+        _require_positive(self.max_distance_mm, "a distance of {} mm off the surface")
         if self.robust and self.cycle_length_ms is not None:
             raise InputError("times within a cycle are not fitted robustly: leave one of the two")
         if self.n_next < 0:
             raise InputError(f"{self.n_next} next points: ask for 0 or more")
+
+
+def _require_positive(value: float | None, words: str) -> None:
+    if value is not None and not 0 < value < math.inf:
+        raise InputError(f"{words.format(value)}: give a positive number")
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +98,18 @@ class Progression:
     counts: Integers
     predicted_nrmse: Floats
 
+    @classmethod
+    def nothing(cls) -> "Progression":
+        """Of samples that say nothing."""
+        return cls(np.empty(0, np.int64), np.empty(0))
+
 
 @dataclass(frozen=True, eq=False)
 class MappingResult:
     """A map rebuilt from samples, and everything that says how far to trust it.
+
+    Where `knows_nothing` is true there is no map and no number on it: what would depend on a
+    guess is NaN, None or empty.
 
     Attributes
     ----------
@@ -98,8 +121,14 @@ class MappingResult:
         The file of samples.
     placed
         The samples on the surface.
+    knows_nothing
+        Whether the samples (fewer than five, all equal, all in one place) say nothing of the map.
     hyperparameters
-        Of the Gaussian process.
+        Of the Gaussian process; of a re-entry, for cosine and sine. None if nothing is known.
+    noise_fitted, noise_stated
+        Noise of a sample as fitted and as stated (None if it is not), root mean square over the
+        samples not doubted, in the values' unit. What is fitted beyond what is stated counts as
+        detail of the map too fine for the samples, in `std` and `predicted_nrmse`.
     mean, std
         The map and its standard deviation on the surface, shape (n,), in the values' unit.
     singular
@@ -109,12 +138,13 @@ class MappingResult:
         Finest wavelength the samples support at each vertex, mm; infinite where none.
     undersampled, undersampled_share
         Vertices that do not support the map's bandwidth, shape (n,), and their share of the area.
-    predicted_nrmse
-        Expected error relative to the map's expected deviation from its mean.
+    predicted_nrmse, smooth_nrmse
+        Expected error relative to the map's expected deviation from its mean; and the same if all
+        that was fitted as noise is noise, and none of it detail.
     loo_variance
         Mean square of the standardised leave-one-out residuals.
     residuals
-        Of each placed sample predicted from the others, shape (m,) or (m, 2) for cosine and sine.
+        Of each placed sample minus what the others predict there, shape (m,), in the values' unit.
     doubted
         Indices of placed samples that count less (`robust`).
     brackets
@@ -137,7 +167,10 @@ class MappingResult:
     config: MappingConfig
     samples_source: Source
     placed: PlacedSamples
-    hyperparameters: Hyperparameters
+    knows_nothing: bool
+    hyperparameters: Hyperparameters | None
+    noise_fitted: float
+    noise_stated: float | None
     mean: PerVertex
     std: PerVertex
     singular: Truths
@@ -145,6 +178,7 @@ class MappingResult:
     undersampled: Truths
     undersampled_share: float
     predicted_nrmse: float
+    smooth_nrmse: float
     loo_variance: float
     residuals: Floats
     doubted: Integers

@@ -1,8 +1,12 @@
 """Preparation: from a surface file to the chamber that samples are planned and maps rebuilt on."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from auricle.arrays import Truths
 from auricle.errors import InputError
 from auricle.progress import Progress, silent
 from auricle.sampling.chamber import Chamber
@@ -56,6 +60,31 @@ class PreparedSurface:
     repairs: tuple[Repair, ...]
     remarks: tuple[str, ...]
 
+    def field(self, name: str) -> FieldMap:
+        """The field of this name.
+
+        Raises
+        ------
+        InputError
+            If there is none, or it holds more than a number a vertex.
+        """
+        return _scalar(self.fields, name)
+
+    def allowed_by(self, forbidding: str) -> Truths:
+        """Vertices of the chamber where a field is 0 or NaN, caps included, shape (n,).
+
+        Raises
+        ------
+        InputError
+            As `field`, or if that leaves no vertex.
+        """
+        values = np.nan_to_num(self.field(forbidding).values)
+        allowed = np.ones(self.chamber.mesh.n_vertices, dtype=np.bool_)
+        allowed[: len(values)] = values == 0
+        if not (allowed & self.chamber.accessible).any():
+            raise InputError(f"field {forbidding!r} forbids all of the surface: give another")
+        return allowed
+
 
 def prepare(
     path: Path,
@@ -63,6 +92,7 @@ def prepare(
     n_vertices: int = N_VERTICES,
     n_modes: int = N_MODES,
     seed: int = 1,
+    needed: Sequence[str] = (),
     progress: Progress = silent,
 ) -> PreparedSurface:
     """Read, clean, simplify and close a surface, and solve for its harmonics.
@@ -77,6 +107,8 @@ def prepare(
         Harmonics to solve for, the constant one included.
     seed
         Of the eigensolver.
+    needed
+        Names of fields without which to stop before the harmonics are solved for.
     progress
         Told the stages.
 
@@ -95,6 +127,7 @@ def prepare(
         n_vertices=n_vertices,
         n_modes=n_modes,
         seed=seed,
+        needed=needed,
         progress=progress,
     )
 
@@ -106,6 +139,7 @@ def prepare_soup(
     n_vertices: int = N_VERTICES,
     n_modes: int = N_MODES,
     seed: int = 1,
+    needed: Sequence[str] = (),
     progress: Progress = silent,
 ) -> PreparedSurface:
     """As `prepare`, of triangles that have been read already.
@@ -116,7 +150,7 @@ def prepare_soup(
         The triangles and the fields on them.
     source
         Where they come from.
-    n_vertices, n_modes, seed, progress
+    n_vertices, n_modes, seed, needed, progress
         As `prepare`.
 
     Raises
@@ -128,10 +162,13 @@ def prepare_soup(
     """
     progress("prepare surface", 0, 3)
     cleaned = clean(soup)
-    if n_modes >= min(n_vertices, cleaned.mesh.n_vertices):
+    for name in needed:
+        _scalar(cleaned.fields, name)
+    n_left = min(n_vertices, cleaned.mesh.n_vertices)
+    if not 2 <= n_modes < n_left:
         raise InputError(
-            f"{n_modes} harmonics of {cleaned.mesh.n_vertices} vertices: "
-            "ask for fewer harmonics or give a finer surface"
+            f"{n_modes} harmonics of {n_left} vertices: ask for at least 2, and for fewer than "
+            "there are vertices"
         )
     progress("prepare surface", 1, 3)
     surface = simplify(cleaned.mesh, n_vertices)
@@ -166,3 +203,13 @@ def prepare_soup(
         repairs=cleaned.repairs,
         remarks=tuple(remarks),
     )
+
+
+def _scalar(fields: Sequence[FieldMap], name: str) -> FieldMap:
+    for each in fields:
+        if each.name == name:
+            if each.values.ndim != 1:
+                raise InputError(f"field {name!r} is a vector: choose one number a vertex")
+            return each
+    have = ", ".join(sorted(each.name for each in fields)) or "none"
+    raise InputError(f"no field named {name!r}: the surface has {have}")

@@ -10,7 +10,7 @@ from auricle.sampling.coverage import Coverage
 from auricle.sampling.next_point import NextPoint
 from auricle.sampling.plan import SamplingPlan
 from auricle.study.mapping_result import MappingConfig, MappingResult
-from auricle.study.planning import PlanConfig, PlanResult
+from auricle.study.plan_result import PlanConfig, PlanResult
 from auricle.study.preparation import PreparedSurface
 
 NOTICE = "Research software, not a medical device."
@@ -19,11 +19,10 @@ NOTICE = "Research software, not a medical device."
 def plan_document(result: PlanResult) -> dict[str, Any]:
     """A plan for JSON: the same input, version and parameters give the same document.
 
-    ``n_samples`` counts what is recommended, those taken already included; null where no number
-    suffices. ``predicted_nrmse`` is that of the plan's own points where there is a plan.
+    ``n_samples`` is ``n_existing`` + ``n_planned``, what the map would rest on; null where there is
+    no plan, since no number suffices. ``recommendation`` says how many there should be in all.
     """
-    advised, plan = result.recommendation, result.plan
-    predicted = plan.predicted_nrmse if plan is not None else advised.predicted_nrmse
+    plan, placements = result.plan, result.placements
     return {
         "format": "auricle plan 1",
         "notice": NOTICE,
@@ -32,20 +31,26 @@ def plan_document(result: PlanResult) -> dict[str, Any]:
         "versions": dict(result.versions),
         "remarks": [*result.prepared.remarks, *result.remarks],
         "wanted": result.wanted,
-        "n_samples": result.config.n_samples or advised.n_samples,
-        "predicted_nrmse": predicted,
-        "recommendation": asdict(advised),
+        "n_samples": None if plan is None else plan.n,
+        "n_existing": len(result.existing),
+        "n_planned": len(result.positions),
+        "recommendation": asdict(result.recommendation),
         "by_target": [
             {"target_nrmse": target, "acquisition": how, **asdict(each)}
             for (target, how), each in result.by_target.items()
         ],
-        "n_existing": len(result.existing),
+        "n_placements": None if placements is None else len(placements.centres),
         "plan": None if plan is None else _plan(plan),
     }
 
 
 def mapping_document(result: MappingResult) -> dict[str, Any]:
-    """A reconstruction for JSON: the same input, version and parameters give the same document."""
+    """A reconstruction for JSON: the same input, version and parameters give the same document.
+
+    Amplitude, noise and error of samples left out are in ``unit``, as the values are; those of a
+    re-entry's cosine and sine have none. What rests on a guess, as the samples say nothing, is
+    null or absent.
+    """
     return {
         "format": "auricle map 1",
         "notice": NOTICE,
@@ -57,15 +62,15 @@ def mapping_document(result: MappingResult) -> dict[str, Any]:
         "name": result.placed.name,
         "unit": result.placed.unit,
         "n_samples": len(result.placed),
-        "predicted_nrmse": result.predicted_nrmse,
+        "n_samples_merged": int(result.placed.counts.sum()),
+        "knows_nothing": result.knows_nothing,
         "enough": result.verdict.enough,
         "reasons": list(result.verdict.reasons),
-        "hyperparameters": {
-            "length_mm": result.hyperparameters.length,
-            "amplitude": result.hyperparameters.amplitude,
-            "noise": result.hyperparameters.noise,
-            "smoothness": result.hyperparameters.smoothness,
-        },
+        "predicted_nrmse": _finite(result.predicted_nrmse),
+        "predicted_nrmse_if_all_noise": _finite(result.smooth_nrmse),
+        "noise_fitted": _finite(result.noise_fitted),
+        "noise_stated": result.noise_stated,
+        "hyperparameters": _hyperparameters(result),
         "standardized_loo_variance": _finite(result.loo_variance),
         "bandwidth": [_bracket(each) for each in result.brackets],
         "undersampled_area_share": result.undersampled_share,
@@ -83,6 +88,18 @@ def mapping_document(result: MappingResult) -> dict[str, Any]:
         "cross_validation": {
             name: asdict(error) for name, error in result.cross_validation.items()
         },
+    }
+
+
+def _hyperparameters(result: MappingResult) -> dict[str, float] | None:
+    found = result.hyperparameters
+    if found is None:
+        return None
+    return {
+        "length_mm": found.length,
+        "amplitude": found.amplitude,
+        "noise": found.noise,
+        "smoothness": found.smoothness,
     }
 
 
@@ -109,10 +126,9 @@ def _plan(plan: SamplingPlan) -> dict[str, Any]:
     judged = plan.stability
     return {
         "design": plan.design,
-        "n_planned": len(plan.planned),
         "vertices": plan.planned.tolist(),
         "n_modes": plan.n_modes,
-        "predicted_nrmse": plan.predicted_nrmse,
+        "predicted_nrmse_least_squares": plan.predicted_nrmse,
         "stability": {
             "constant": judged.constant,
             "verdict": judged.verdict,
@@ -150,8 +166,7 @@ def _next(point: NextPoint, error: float) -> dict[str, Any]:
     return {
         "position_mm": point.position.tolist(),
         "vertex": point.vertex,
-        "expected_drop_of_mean_variance": point.expected_drop,
-        "predicted_nrmse": error,
+        "predicted_nrmse": _finite(error),
     }
 
 
