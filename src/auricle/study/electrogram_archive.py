@@ -40,7 +40,7 @@ def write_electrograms(folder: Path, one: ElectroanatomicMap) -> None:
 
 def _save(place: Path, arrays: dict[str, np.ndarray]) -> None:
     with place.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
 def _description(signal: Electrogram) -> dict[str, Any]:

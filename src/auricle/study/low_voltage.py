@@ -59,7 +59,7 @@ class MappedRegion:
     def below(self, values: Floats, threshold: float) -> Floats:
         """Area where `values`, shape (…, n), lie below the threshold, shape (…); NaN does not."""
         part = np.where(self.mapped, self.areas, 0.0)
-        area: Floats = (values < threshold) @ part
+        area: Floats = (values < threshold).astype(np.float64) @ part
         return area
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from auricle.arrays import PerVertex, Points
+from auricle.arrays import PerVertex, Points, Truths
 from auricle.electroanatomy.points import UNITS, MappingPoints
 from auricle.electroanatomy.points_csv import PointTable
 from auricle.electroanatomy.study import ElectroanatomicMap, ElectroanatomicStudy
@@ -121,9 +121,14 @@ def analyze_study(
 
 def used_positions(points: MappingPoints) -> Points:
     """Where points count, shape (n, 3), mm: as the vendor projected them, else as measured."""
-    projected = np.isfinite(points.projected_positions).all(axis=1)
+    projected = _projected(points)
     used: Points = np.where(projected[:, None], points.projected_positions, points.positions)
     return used
+
+
+def _projected(points: MappingPoints) -> Truths:
+    """Which points the vendor has put on its surface."""
+    return np.asarray(np.isfinite(points.projected_positions).all(axis=1))
 
 
 def _require_fields(study: ElectroanatomicStudy, config: MapStudyConfig) -> None:
@@ -202,7 +207,7 @@ def _remarks(case: _Case) -> Iterator[str]:
         yield f"points the vendor's map does not use left out: {left_out:,}"
     if not any(_chosen(case.points, case.config)):
         yield "no point holds a value of a quantity that is analysed"
-    projected = np.isfinite(case.points.projected_positions).all(axis=1)
+    projected = _projected(case.points)
     if projected.any():
         moved = np.linalg.norm(
             (case.points.projected_positions - case.points.positions)[projected], axis=1

@@ -66,8 +66,10 @@ def points_csv(field: FieldAnalysis) -> str:
     writer = csv.writer(file, lineterminator="\n")
     unit = result.placed.unit
     writer.writerow(
-        ["point", "x_mm", "y_mm", "z_mm", f"{field.name}_{unit}", "n_merged", f"residual_{unit}"]
-        + ["order_dispensable", "redundant"]
+        [
+            *("point", "x_mm", "y_mm", "z_mm", f"{field.name}_{unit}", "n_merged"),
+            *(f"residual_{unit}", "order_dispensable", "redundant"),
+        ]
     )
     positions = result.placed.sites.positions(result.prepared.chamber.mesh)
     for index, position in enumerate(positions.tolist()):

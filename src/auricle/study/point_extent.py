@@ -55,7 +55,7 @@ def point_extent(positions: Points) -> PointExtent | None:
     places = np.unique(positions, axis=0)
     near = np.array([math.nan])
     if len(places) > 1:
-        near = cKDTree(places).query(places, k=2)[0][:, 1]
+        near = np.asarray(cKDTree(places).query(places, k=2)[0])[:, 1]
     wide, deep, high = np.ptp(places, axis=0).tolist()
     return PointExtent(
         len(places), (wide, deep, high), float(np.median(near)), float(near.max()), _hull(places)

@@ -1,6 +1,6 @@
 """Preparation: from a surface file to the chamber that samples are planned and maps rebuilt on."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -121,13 +121,14 @@ def prepare(
     """
     progress("prepare surface", 0, 3)
     soup = read_surface(path)
+    for name in needed:
+        _require_scalar({each: values.ndim for each, values in soup.point_fields.items()}, name)
     return prepare_soup(
         soup,
         source_of(path),
         n_vertices=n_vertices,
         n_modes=n_modes,
         seed=seed,
-        needed=needed,
         progress=progress,
     )
 
@@ -139,7 +140,6 @@ def prepare_soup(
     n_vertices: int = N_VERTICES,
     n_modes: int = N_MODES,
     seed: int = 1,
-    needed: Sequence[str] = (),
     progress: Progress = silent,
 ) -> PreparedSurface:
     """As `prepare`, of triangles that have been read already.
@@ -150,7 +150,7 @@ def prepare_soup(
         The triangles and the fields on them.
     source
         Where they come from.
-    n_vertices, n_modes, seed, needed, progress
+    n_vertices, n_modes, seed, progress
         As `prepare`.
 
     Raises
@@ -162,8 +162,6 @@ def prepare_soup(
     """
     progress("prepare surface", 0, 3)
     cleaned = clean(soup)
-    for name in needed:
-        _scalar(cleaned.fields, name)
     n_left = min(n_vertices, cleaned.mesh.n_vertices)
     if not 2 <= n_modes < n_left:
         raise InputError(
@@ -206,10 +204,14 @@ def prepare_soup(
 
 
 def _scalar(fields: Sequence[FieldMap], name: str) -> FieldMap:
-    for each in fields:
-        if each.name == name:
-            if each.values.ndim != 1:
-                raise InputError(f"field {name!r} is a vector: choose one number a vertex")
-            return each
-    have = ", ".join(sorted(each.name for each in fields)) or "none"
-    raise InputError(f"no field named {name!r}: the surface has {have}")
+    _require_scalar({each.name: each.values.ndim for each in fields}, name)
+    return next(each for each in fields if each.name == name)
+
+
+def _require_scalar(dimensions: Mapping[str, int], name: str) -> None:
+    """Refuse a name that is of no field, or of one with more than a number a vertex."""
+    if name not in dimensions:
+        have = ", ".join(sorted(dimensions)) or "none"
+        raise InputError(f"no field named {name!r}: the surface has {have}")
+    if dimensions[name] != 1:
+        raise InputError(f"field {name!r} is a vector: choose one number a vertex")
