@@ -64,7 +64,7 @@ def _derived(field: FieldAnalysis) -> str:
     if speed is not None:
         ends = (number(value, digits=2) for value in (speed.low, speed.high))
         parts.append(
-            f"conduction runs at {number(speed.median, digits=2)} m/s in the median "
+            f"conduction runs at {number(speed.expected, digits=2)} m/s in the median "
             f"({' to '.join(ends)})"
         )
     if not parts:

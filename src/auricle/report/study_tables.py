@@ -206,12 +206,15 @@ def _low_voltage_table(found: LowVoltage) -> Table:
 
 def _velocity_table(found: ConductionVelocity) -> Table:
     rows = [
-        ("Median over the mapped area, most probable map", f"{number(found.median)} m/s"),
+        ("Median over the mapped area, expected", f"{number(found.expected)} m/s"),
         (
             "Nine maps of ten that fit the points",
             f"{number(found.low)} to {number(found.high)} m/s",
         ),
     ]
+    rows.append(
+        ("On the most probable map, which is smoother and so faster", f"{number(found.of_map)} m/s")
+    )
     if math.isfinite(found.vendor):
         rows.append(("On the system's own map", f"{number(found.vendor)} m/s"))
     return Table("Conduction velocity", _QUANTITY, tuple(rows))

@@ -23,17 +23,20 @@ class ConductionVelocity:
 
     Attributes
     ----------
-    median
-        Of the most probable map: half of the mapped area conducts faster.
-    low, high
-        `QUANTILES` of the same of maps that agree with the samples as well as the truth may.
+    of_map
+        Median of the most probable map: half of the mapped area conducts faster. That map is
+        smoother than the truth, and so too fast.
+    expected, low, high
+        Median and `QUANTILES` of the same of maps that agree with the samples as well as the
+        truth may. Detail finer than the samples is in none of them: still rather too fast.
     vendor
         Of the vendor's own map; NaN if there is none.
     local, local_low, local_high
         At each vertex the same, shape (n,); NaN where not mapped.
     """
 
-    median: float
+    of_map: float
+    expected: float
     low: float
     high: float
     vendor: float
@@ -109,7 +112,7 @@ def conduction_velocity(
     own = slowness(part, times, cycle_length=cycle_length)
     drawn = slowness(part, draws, cycle_length=cycle_length)
     medians = np.array([weighted_median(each, areas) for each in drawn])
-    slow, fast = np.quantile(medians, (QUANTILES[1], QUANTILES[0]))
+    middle, slow, fast = np.quantile(medians, (0.5, QUANTILES[1], QUANTILES[0])).tolist()
     of_vendor = np.nan
     if vendor is not None:
         theirs = slowness(part, vendor, cycle_length=cycle_length)
@@ -119,8 +122,9 @@ def conduction_velocity(
     ends = np.quantile(drawn, (QUANTILES[1], QUANTILES[0]), axis=0)
     return ConductionVelocity(
         _speed(weighted_median(own, areas)),
-        _speed(float(slow)),
-        _speed(float(fast)),
+        _speed(middle),
+        _speed(slow),
+        _speed(fast),
         of_vendor,
         *(_at_vertices(part, each) for each in (own, *ends)),
     )
