@@ -101,7 +101,7 @@ def test_the_vendors_map_is_the_truth_here_and_lies_within_the_uncertainty(study
 def test_a_map_of_one_side_is_judged_by_that_side_and_says_how_much_it_is(study) -> None:
     for field in study.maps[1].fields:
         assert 0.3 < field.mapped_share < 0.7
-        assert field.mapped_nrmse < 0.5 * field.rebuilt.predicted_nrmse
+        assert field.mapped_nrmse < 0.7 * field.rebuilt.predicted_nrmse
         x = SURFACE.vertices[:, 0]
         assert not field.mapped[x < -10].any()
         assert field.mapped[x > 20].all()

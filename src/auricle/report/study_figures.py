@@ -17,6 +17,8 @@ from auricle.study.map_study import FieldAnalysis
 
 WIDTH = 7.0
 GREY = "#9a9a9a"
+MOST_DOTS = 200
+"""Points up to which they are drawn on the map itself: more would hide it."""
 _SHORT: Mapping[str, str] = MappingProxyType(
     {
         "local_activation_time": "activation",
@@ -30,7 +32,7 @@ _VELOCITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5)
 
 
 def field_picture(field: FieldAnalysis) -> Figure:
-    """Reconstruction, the vendor's map, uncertainty, support and velocity, with the points.
+    """Reconstruction, the vendor's map, uncertainty and velocity; with the points if they are few.
 
     Where the points say nothing there is no map to show but the vendor's.
     """
@@ -38,12 +40,19 @@ def field_picture(field: FieldAnalysis) -> Figure:
     if field.vendor_values is not None:
         panels.append(MapPanel("system's", field.vendor_values, _scale(field), "no value"))
     if not field.knows_nothing:
-        panels += [_deviation_panel(field), wavelength_panel(field.rebuilt.wavelengths)]
+        panels.append(_deviation_panel(field))
     if field.velocity is not None:
         scale = ColourScale("perceptual", _VELOCITIES, "velocity (m/s)")
         panels.append(MapPanel("velocity", field.velocity.local, scale, "not mapped"))
+    marks = _marks(field) if len(field.rebuilt.placed) <= MOST_DOTS else []
     surface = field.rebuilt.prepared.surface
-    return maps_picture(surface, panels or [MapPanel("points")], marks=_marks(field))
+    return maps_picture(surface, panels or [MapPanel("points")], marks=marks)
+
+
+def support_picture(field: FieldAnalysis) -> Figure:
+    """The finest wavelength that the points support, with the points."""
+    panel = wavelength_panel(field.rebuilt.wavelengths)
+    return maps_picture(field.rebuilt.prepared.surface, [panel], marks=_marks(field))
 
 
 def redundancy_figure(field: FieldAnalysis) -> Figure:
@@ -65,9 +74,9 @@ def redundancy_figure(field: FieldAnalysis) -> Figure:
     axes.yaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_minor_formatter("{x:g}")
-    axes.tick_params(axis="y", which="minor", labelsize=6)
+    axes.tick_params(axis="y", which="both", labelsize=7)
     axes.set_xlabel("points (number)")
-    axes.set_ylabel("expected error of the mapped part, nRMSE (%)")
+    axes.set_ylabel("expected error, nRMSE (%)")
     axes.grid(color="#e4e4e4", lw=0.5, which="both")
     axes.legend(frameon=False)
     return figure

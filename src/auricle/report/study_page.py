@@ -12,7 +12,7 @@ from auricle.progress import Progress, silent
 from auricle.report.gallery import drawn_files
 from auricle.report.html import Caption, CaptionedFigure, captioned, rendered
 from auricle.report.study_answer import field_answer, map_answers
-from auricle.report.study_figures import field_picture, redundancy_figure
+from auricle.report.study_figures import field_picture, redundancy_figure, support_picture
 from auricle.report.study_tables import (
     extent_table,
     fill_table,
@@ -106,6 +106,7 @@ def _figures(study: MapStudy) -> Iterator[tuple[str, Callable[[], Figure]]]:
         for field in one.fields:
             yield f"{_stem(one, field)}.png", partial(field_picture, field)
             if not field.knows_nothing:
+                yield f"{_stem(one, field)}_support.png", partial(support_picture, field)
                 yield f"{_stem(one, field)}_points.svg", partial(redundancy_figure, field)
 
 
@@ -143,11 +144,17 @@ def _captions(stem: str, field: FieldAnalysis) -> dict[str, Caption]:
         "The points as they count; of the map nothing can be said."
         if field.knows_nothing
         else "Rows: the map rebuilt from the points, the mapping system's own (if exported), the "
-        "uncertainty, the finest wavelength supported. Grey dots could have been left out."
+        "uncertainty, the velocity of activation."
     )
     return {
         f"{stem}.png": Caption(
             f"{words[:1].upper()}{words[1:]} on the surface", text, "The surface from four sides."
+        ),
+        f"{stem}_support.png": Caption(
+            "What the points support",
+            "The finest wavelength that the points support at each place. Black: points; grey: "
+            "those that could have been left out.",
+            "The surface from four sides with the points.",
         ),
         f"{stem}_points.svg": Caption(
             "How many points would have done",

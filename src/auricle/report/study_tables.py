@@ -156,8 +156,7 @@ def _bandwidth_rows(field: FieldAnalysis) -> list[tuple[str, str]]:
         rows.append(
             (
                 f"Bandwidth for an error of {error}, whole surface",
-                f"{each.lower:,} to {each.upper:,} harmonics: {ends[0]:,} to {ends[1]:,} points "
-                "spread evenly",
+                f"{_range(each.lower, each.upper)} harmonics: {_range(*ends)} points spread evenly",
             )
         )
     return rows
@@ -222,6 +221,10 @@ def _velocity_table(found: ConductionVelocity) -> Table:
 
 def _with_mm(value: float) -> str:
     return f"{number(value)} mm" if math.isfinite(value) else _NOTHING
+
+
+def _range(low: int, high: int) -> str:
+    return f"{low:,}" if low == high else f"{low:,} to {high:,}"
 
 
 def _area(area_mm2: float) -> str:
