@@ -11,6 +11,7 @@ The data are found through AURICLE_DATA.
 
 import argparse
 import os
+import sys
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -64,6 +65,12 @@ def export(path: Path, surface: Path, count: int, seed: int) -> None:
     write_openep(path, ElectroanatomicMap("map 1", surface_soup, points))
 
 
+def say(line: str) -> None:
+    """Print a line at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def main() -> None:
     """Print a row a target."""
     options = argparse.ArgumentParser(description=__doc__)
@@ -72,7 +79,7 @@ def main() -> None:
     options.add_argument("--modes", type=int, default=800)
     chosen = options.parse_args()
     surface = Path(os.environ["AURICLE_DATA"]) / MAP
-    print("target,harmonics,points,predicted,planned_n,planned_error,unplanned_n,unplanned_error")
+    say("target,harmonics,points,predicted,planned_n,planned_error,unplanned_n,unplanned_error")
     for target in TARGETS:
         config = PlanConfig(
             field="LAT", target_nrmse=target, n_vertices=chosen.vertices, n_modes=chosen.modes
@@ -80,7 +87,7 @@ def main() -> None:
         result = plan_surface(surface, config)
         advised = result.recommendation
         if result.plan is None or advised.n_samples is None:
-            print(f"{target},,,{advised.predicted_nrmse:.3f}: {advised.unreachable}")
+            say(f"{target},,,{advised.predicted_nrmse:.3f}: {advised.unreachable}")
             continue
         prepared = result.prepared
         truth = prepared.field("LAT").values
@@ -90,10 +97,9 @@ def main() -> None:
         )
         error, _, count = achieved(prepared, truth, planned[planned < len(truth)])
         other, _, others = achieved(prepared, truth, anywhere[anywhere < len(truth)])
-        print(
+        say(
             f"{target},{advised.n_modes},{advised.n_samples},{advised.predicted_nrmse:.3f},"
-            f"{count},{error:.3f},{others},{other:.3f}",
-            flush=True,
+            f"{count},{error:.3f},{others},{other:.3f}"
         )
     if chosen.out is not None:
         for count in (150, 600):
