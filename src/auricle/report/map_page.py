@@ -49,6 +49,13 @@ CAPTIONS: Mapping[str, Caption] = MappingProxyType(
 )
 """Captions of the figures, in the order of the page."""
 
+NOTHING_KNOWN = Caption(
+    "The samples and where to go next",
+    "From four sides. Black: samples; red, numbered: where to sample next.",
+    "The bare surface from four sides with the samples and the next points on it.",
+)
+"""Caption of the first figure where there is no map to show."""
+
 
 _OTHER_FIELDS = ("supported_wavelength", "undersampled")
 
@@ -56,7 +63,7 @@ _OTHER_FIELDS = ("supported_wavelength", "undersampled")
 def map_answer(result: MappingResult) -> str:
     """The answer in a sentence."""
     if not result.verdict.enough:
-        verdict = f"Not enough yet: {'; '.join(result.verdict.reasons)}"
+        verdict = f"Not enough yet: {printable('; '.join(result.verdict.reasons))}"
     else:
         verdict = (
             f"Enough for an error of {percent(result.config.target_nrmse)}: the predicted error is "
@@ -164,7 +171,7 @@ def map_page(result: MappingResult, figures: Mapping[str, bytes]) -> str:
         "remarks": [
             printable(str(each)) for each in (*prepared.repairs, *prepared.remarks, *result.remarks)
         ],
-        "figures": captioned(figures, CAPTIONS),
+        "figures": captioned(figures, _captions(result)),
         "tables": _tables(result),
         "coverage": result.coverage,
         "hyper": result.hyperparameters,
@@ -172,6 +179,10 @@ def map_page(result: MappingResult, figures: Mapping[str, bytes]) -> str:
         "versions": [f"{name} {version}" for name, version in result.versions.items()],
     }
     return rendered("map.html.j2", context)
+
+
+def _captions(result: MappingResult) -> Mapping[str, Caption]:
+    return {**CAPTIONS, "map.png": NOTHING_KNOWN} if result.knows_nothing else CAPTIONS
 
 
 def _figures(result: MappingResult) -> dict[str, Callable[[], Figure]]:
@@ -289,7 +300,7 @@ def _coverage_table(result: MappingResult) -> Table:
     rows = [
         ("Places sampled", f"{len(result.placed):,}"),
         ("Density", f"{number(found.density_per_cm2)} per cm²"),
-        ("Median distance to the nearest other", f"{number(found.spacing_mm)} mm"),
+        ("Median distance to the nearest other", _millimetres(found.spacing_mm)),
         ("Farthest place from any sample", f"{number(found.radius_mm)} mm"),
         *(
             (f"Area within {radius:g} mm of a sample", percent(share))
@@ -327,6 +338,10 @@ def _parameters_table(result: MappingResult) -> Table:
         ("Seed", str(config.seed)),
     ]
     return Table("Parameters of this run", ("Parameter", "Value"), tuple(rows))
+
+
+def _millimetres(length: float) -> str:
+    return f"{number(length)} mm" if math.isfinite(length) else "–"
 
 
 def _noise_words(result: MappingResult) -> str:

@@ -53,7 +53,7 @@ def wavelength_panel(wavelengths: np.ndarray) -> MapPanel:
 
 
 def need_figure(result: PlanResult) -> Figure:
-    """Recommended points against the error they reach, planned and unplanned."""
+    """Recommended points against the error they reach, planned and unplanned; one at least."""
     figure = Figure(figsize=(WIDTH, 3.8), layout="constrained")
     axes = figure.subplots()
     for how, colour in _COLOURS.items():
@@ -72,10 +72,7 @@ def need_figure(result: PlanResult) -> Figure:
     )
     axes.set_xlabel("error, nRMSE (% of the map's deviation); line: the target")
     axes.set_ylabel("points to take (number)")
-    if axes.lines[0].get_xdata():
-        axes.legend(frameon=False)
-    else:
-        axes.text(0.5, 0.5, "none of these errors can be reached", transform=axes.transAxes)
+    axes.legend(frameon=False)
     return figure
 
 

@@ -81,15 +81,22 @@ def plan_answer(result: PlanResult) -> str:
         how = "evenly spread" if evenly else "taken wherever the catheter is"
         spacing = number(advised.spacing_mm or 0.0, digits=2)
         points = counted(advised.n_samples or 0, "point")
-        sentence = f"Take {points}, {how}, one every {spacing} mm, to map {asked}."
+        verb = "Take" if _is_plain(result) else "It takes"
+        sentence = f"{verb} {points}, {how}, one every {spacing} mm, to map {asked}."
     return " ".join([sentence, *_about_plan(result)])
+
+
+def _is_plain(result: PlanResult) -> bool:
+    """Whether the points planned are those recommended, no more, no less and anywhere."""
+    config = result.config
+    changed = (config.n_samples, config.catheter, config.forbid)
+    return not len(result.existing) and all(each is None for each in changed)
 
 
 def _about_plan(result: PlanResult) -> tuple[str, ...]:
     """What is planned, where that is not the number recommended, one at a time."""
-    plan, config = result.plan, result.config
-    by_itself = config.n_samples is None and not len(result.existing) and config.catheter is None
-    if plan is None or by_itself:
+    plan = result.plan
+    if plan is None or _is_plain(result):
         return ()
     taken, planned = len(result.existing), len(result.positions)
     parts = [f"{counted(taken, 'point')} taken already"] * bool(taken)
@@ -99,8 +106,9 @@ def _about_plan(result: PlanResult) -> tuple[str, ...]:
     elif planned:
         parts.append(f"{planned:,} planned")
     error = percent(plan.predicted_nrmse)
-    enough = "" if planned else "; no more are needed"
-    return (f"Here: {' and '.join(parts)}{enough}; plain least squares then errs by {error}.",)
+    advised_none = result.recommendation.n_samples is None
+    enough = "" if planned or advised_none else ", which is enough"
+    return (f"Here: {' and '.join(parts)}{enough}; plain least squares on them errs by {error}.",)
 
 
 def write_plan(result: PlanResult, folder: Path, *, progress: Progress = silent) -> Path:
@@ -174,10 +182,9 @@ def plan_page(result: PlanResult, figures: Mapping[str, bytes]) -> str:
 
 
 def _figures(result: PlanResult) -> dict[str, Callable[[], Figure]]:
-    wanted: dict[str, Callable[[], Figure]] = {
-        "need.svg": partial(need_figure, result),
-        "tail.svg": partial(tail_figure, result),
-    }
+    wanted: dict[str, Callable[[], Figure]] = {"tail.svg": partial(tail_figure, result)}
+    if any(each.n_samples is not None for each in result.by_target.values()):
+        wanted["need.svg"] = partial(need_figure, result)
     if result.plan is not None:
         wanted["plan.png"] = partial(plan_picture, result)
     return wanted

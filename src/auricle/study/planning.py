@@ -13,7 +13,12 @@ from auricle.sampling.catheter import Placements, planned_placements
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.local_nyquist import local_nyquist, modal_transfer
 from auricle.sampling.plan import ExpectedMap, SamplingPlan, evaluated_plan, plan_samples
-from auricle.sampling.recommendation import ACQUISITIONS, Recommendation, recommendation
+from auricle.sampling.recommendation import (
+    ACQUISITIONS,
+    DENSEST_PER_CM2,
+    Recommendation,
+    recommendation,
+)
 from auricle.sampling.samples import Samples, place
 from auricle.sampling.samples_file import read_positions
 from auricle.sampling.sites import Sites
@@ -25,8 +30,6 @@ from auricle.study.wanted import wanted
 
 TARGETS = (0.05, 0.1, 0.2, 0.3)
 """Errors that the table of a plan is made for, beside the target."""
-_ROUNDS = 5
-"""Of adding placements for electrodes that fell off the surface."""
 
 
 def plan_surface(
@@ -74,8 +77,7 @@ def plan_surface(
     taken, remarks = _existing(existing, taken_at, chamber)
     expected = ExpectedMap(_monotone(asked.tails.at(config.quantile)), config.noise_ratio)
     n_samples = config.n_samples or _still_needed(advised, chamber, taken)
-    placements = _placements(prepared, n_samples, taken, config)
-    plan = _planned(prepared, n_samples, expected, (taken, placements), config)
+    plan, placements = _planned(prepared, n_samples, expected, taken, config)
     progress("plan", 1, 2)
     wavelengths = np.empty(0)
     if plan is not None:
@@ -101,50 +103,22 @@ def plan_surface(
     )
 
 
-def _placements(
-    prepared: PreparedSurface, n_samples: int, taken: Sites, config: PlanConfig
-) -> Placements | None:
-    """As many placements of the catheter as bring so many electrodes onto the surface."""
-    if config.catheter is None or not n_samples:
-        return None
-    pattern = CATHETERS[config.catheter]()
-    allowed = _allowed(prepared, config)
-    count = math.ceil(n_samples / len(pattern.offsets))
-    for _ in range(_ROUNDS):
-        found = planned_placements(
-            prepared.chamber, pattern, count, allowed=allowed, existing=taken
-        )
-        missing = n_samples - len(found.sites)
-        if missing <= 0:
-            break
-        count += math.ceil(missing / len(pattern.offsets))
-    return found
-
-
-def _allowed(prepared: PreparedSurface, config: PlanConfig) -> Truths | None:
-    return None if config.forbid is None else prepared.allowed_by(config.forbid)
-
-
 def _planned(
     prepared: PreparedSurface,
     n_samples: int,
     expected: ExpectedMap,
-    sites: tuple[Sites, Placements | None],
+    taken: Sites,
     config: PlanConfig,
-) -> SamplingPlan | None:
+) -> tuple[SamplingPlan | None, Placements | None]:
     """The points asked for beside those taken; what those are good for, if none is needed."""
-    chamber, (taken, placements) = prepared.chamber, sites
-    if placements is not None:
-        both = Sites(
-            np.concatenate([taken.corners, placements.sites.corners]),
-            np.concatenate([taken.weights, placements.sites.weights]),
-        )
-        return evaluated_plan(chamber, both, expected, design=f"catheter: {config.catheter}")
+    chamber = prepared.chamber
     if not n_samples:
         if not len(taken):
-            return None
-        return evaluated_plan(chamber, taken, expected, design="none: enough are taken")
-    return plan_samples(
+            return None, None
+        return evaluated_plan(chamber, taken, expected, design="none: enough are taken"), None
+    if config.catheter is not None:
+        return _laid(prepared, n_samples, expected, taken, config)
+    plan = plan_samples(
         chamber,
         n_samples,
         expected,
@@ -152,6 +126,43 @@ def _planned(
         allowed=_allowed(prepared, config),
         existing=taken if len(taken) else None,
     )
+    return plan, None
+
+
+def _laid(
+    prepared: PreparedSurface,
+    n_samples: int,
+    expected: ExpectedMap,
+    taken: Sites,
+    config: PlanConfig,
+) -> tuple[SamplingPlan, Placements]:
+    """Placements of the catheter that bring so many electrodes onto the surface.
+
+    Its electrodes lie close together, so that the number for single points is not enough: unless
+    a number is asked for, placements are added until least squares meets the target, or the
+    electrodes are as dense as any that are recommended.
+    """
+    chamber, allowed = prepared.chamber, _allowed(prepared, config)
+    pattern = CATHETERS[str(config.catheter)]()
+    most = DENSEST_PER_CM2 * chamber.accessible_area / 100
+    count = math.ceil(n_samples / len(pattern.offsets))
+    while True:
+        placements = planned_placements(chamber, pattern, count, allowed=allowed, existing=taken)
+        missing = n_samples - len(placements.sites)
+        if missing <= 0:
+            both = Sites(
+                np.concatenate([taken.corners, placements.sites.corners]),
+                np.concatenate([taken.weights, placements.sites.weights]),
+            )
+            plan = evaluated_plan(chamber, both, expected, design=f"catheter: {config.catheter}")
+            met = plan.predicted_nrmse <= config.target_nrmse
+            if met or config.n_samples is not None or len(both) > most:
+                return plan, placements
+        count += max(math.ceil(count / 4), math.ceil(missing / len(pattern.offsets)))
+
+
+def _allowed(prepared: PreparedSurface, config: PlanConfig) -> Truths | None:
+    return None if config.forbid is None else prepared.allowed_by(config.forbid)
 
 
 def _forbidden_remark(prepared: PreparedSurface, config: PlanConfig) -> tuple[str, ...]:

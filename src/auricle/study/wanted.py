@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from auricle.errors import InputError
 from auricle.progress import Progress
 from auricle.sampling.bandwidth import class_tails
 from auricle.sampling.tails import Tails, truncation_tail
@@ -89,6 +90,10 @@ def _parameter_words(name: str, value: float) -> str:
 
 def _field_map(prepared: PreparedSurface, config: PlanConfig) -> Wanted:
     found = prepared.field(str(config.field))
+    if not found.sampled.any():
+        raise InputError(f"field {found.name!r} has no values: choose a field that was sampled")
+    if not np.ptp(found.values[found.sampled]) > 0:
+        raise InputError(f"field {found.name!r} is constant: choose one that varies")
     chamber = prepared.chamber
     columns = found.values[:, None]
     if config.cycle_length_ms is not None:
