@@ -3,6 +3,7 @@
 import json
 import sys
 import zipfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +24,15 @@ from auricle.surface.shapes import icosphere
 BALL = icosphere(radius=30.0, subdivisions=3)
 SURFACE = Mesh(BALL.vertices * [1.0, 0.9, 0.8], BALL.faces)
 QUICK = ("-k", 40)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _coarse() -> Iterator[None]:
+    """Small pictures: quicker to draw."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("auricle.report.maps.RESOLUTION", 40)
+        patch.setattr("auricle.report.gallery.RESOLUTION", 40)
+        yield
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -26,6 +27,15 @@ BALL = icosphere(radius=30.0, subdivisions=2)
 SURFACE = Mesh(BALL.vertices * [1.0, 0.9, 0.8], BALL.faces)
 TIMES = (SURFACE.vertices[:, 0] + 30.0) / 0.6
 VOLTAGE = 1.0 + SURFACE.vertices[:, 2] / 30.0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _coarse() -> Iterator[None]:
+    """Small pictures: quicker to draw."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("auricle.report.maps.RESOLUTION", 40)
+        patch.setattr("auricle.report.gallery.RESOLUTION", 40)
+        yield
 
 
 def a_map(name: str, count: int) -> ElectroanatomicMap:
@@ -87,8 +97,9 @@ def test_the_page_is_whole_and_needs_nothing_from_elsewhere(folder) -> None:
     assert not re.search(r"(src|href)=\"(?!data:)", page)
     assert "<script" not in page
     assert page.count("<img") == 8
+    text = re.sub(r"data:[^\"]*", "", page)
     for words in ("<b>LA", "<i>X", "nan", "None"):
-        assert words not in page
+        assert words not in text
     assert "&lt;b&gt;LA&lt;/b&gt;" in page
 
 
