@@ -32,6 +32,7 @@ def test_the_second_time_nothing_is_solved_and_every_digit_is_the_same(cache, mo
     assert len(list(cache.iterdir())) == 1
 
 
+@pytest.mark.usefixtures("cache")
 @pytest.mark.parametrize(
     "other",
     [
@@ -40,7 +41,7 @@ def test_the_second_time_nothing_is_solved_and_every_digit_is_the_same(cache, mo
         lambda: cached_harmonics(icosphere(radius=10.1, subdivisions=3), 16),
     ],
 )
-def test_another_question_is_solved_anew(cache, monkeypatch, other):
+def test_another_question_is_solved_anew(monkeypatch, other):
     cached_harmonics(BALL, 16)
     monkeypatch.setattr(basis_cache, "manifold_harmonics", unsolvable)
     with pytest.raises(SolverError, match="solved again"):

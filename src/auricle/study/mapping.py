@@ -140,7 +140,7 @@ def rebuilt_map(
     progress("rebuild map", 3, 5)
     ahead = _next(fitted, prepared, config)
     progress("rebuild map", 4, 5)
-    progression = _progression(fitted, placed) if known else Progression.nothing()
+    progression = _progression(fitted, placed, progress) if known else Progression.nothing()
     judged = _judged(fitted, (aimed, share), samples, config)
     around = coverage(chamber, placed.sites)
     progress("rebuild map", 5, 5)
@@ -290,18 +290,18 @@ def _next(
     return next_points(running, config.n_next, noise_variance, allowed=allowed)
 
 
-def _progression(fitted: FittedMap, placed: PlacedSamples) -> Progression:
+def _progression(fitted: FittedMap, placed: PlacedSamples, progress: Progress) -> Progression:
     """Predicted error of the first so many samples, in the order of the file."""
     found = fitted.reconstruction
     order = np.argsort(placed.kept, kind="stable")
     first = min(5, len(order))
     counts = np.unique(np.rint(np.geomspace(first, len(order), N_PREFIXES)).astype(np.int64))
-    errors = [
-        fitted.nrmse_of(
-            from_some(fitted.process, found.values, found.hyperparameters, order[:count])
-        )
-        for count in counts.tolist()
-    ]
+    errors = []
+    for index, count in enumerate(counts.tolist()):
+        progress("error so far", index, len(counts))
+        part = from_some(fitted.process, found.values, found.hyperparameters, order[:count])
+        errors.append(fitted.nrmse_of(part))
+    progress("error so far", len(counts), len(counts))
     return Progression(counts, np.array(errors))
 
 
