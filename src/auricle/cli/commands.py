@@ -3,12 +3,14 @@
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from auricle.cli.map_commands import import_export
 from auricle.cli.sampling_commands import plan, propose, reconstruct
 from auricle.cli.surface_commands import analyze, atrium, harmonics, simplify
 
 COMMANDS: Mapping[str, Callable[..., None]] = MappingProxyType(
     {
         "analyze": analyze,
+        "import": import_export,
         "plan": plan,
         "reconstruct": reconstruct,
         "next": propose,

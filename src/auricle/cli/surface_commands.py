@@ -3,10 +3,12 @@
 Everything heavy is imported when a command runs, so that help comes at once.
 """
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from auricle.cli.map_commands import ColumnOption, analyze_maps
 from auricle.cli.options import (
     FileOption,
     FolderOption,
@@ -18,11 +20,20 @@ from auricle.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from auricle.study.config import AnalysisConfig
     from auricle.surface.soundness import Soundness
 
 
 def analyze(
-    surface: SurfaceArgument,
+    surface: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SURFACE|EXPORT",
+            help="A surface (VTP, VTK, VTU, PLY, STL, OBJ, OFF, openCARP) with its fields, or an "
+            "export with mapping points (CARTO or EnSite folder or zip, OpenEP .mat, CSV).",
+            show_default=False,
+        ),
+    ],
     output: FolderOption,
     field: Annotated[
         list[str] | None,
@@ -33,12 +44,20 @@ def analyze(
     vertices: Annotated[
         int, typer.Option("--vertices", "-n", help="Vertices to simplify to.")
     ] = 10_000,
-    modes: Annotated[int, typer.Option("--modes", "-k", help="Harmonics to solve.")] = 1_000,
+    modes: Annotated[
+        int | None,
+        typer.Option(
+            "--modes",
+            "-k",
+            help="Harmonics to solve. Default: 1000, of an export 500.",
+            show_default=False,
+        ),
+    ] = None,
     focus_width: Annotated[
         list[float] | None,
         typer.Option(
             metavar="MM",
-            help="Width σ of simulated foci, mm; repeatable. Default: 4 8 16.",
+            help="Width σ of simulated foci, mm; repeatable. Default: 4 8 16. Surfaces only.",
             show_default=False,
         ),
     ] = None,
@@ -46,35 +65,85 @@ def analyze(
         list[int] | None,
         typer.Option(
             metavar="N",
-            help="Number of simulated foci; repeatable. Default: 1 2 3.",
+            help="Number of simulated foci; repeatable. Default: 1 2 3. Surfaces only.",
             show_default=False,
         ),
     ] = None,
+    target: Annotated[
+        float, typer.Option(metavar="SHARE", help="Error at which points are enough. Exports only.")
+    ] = 0.1,
+    cycle_length: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MS",
+            help="Cycle length of a re-entry: activation wraps round. Exports only.",
+            show_default=False,
+        ),
+    ] = None,
+    low_voltage: Annotated[
+        float, typer.Option(metavar="MV", help="Bipolar voltage of low-voltage area. Exports only.")
+    ] = 0.5,
+    max_distance: Annotated[
+        float,
+        typer.Option(metavar="MM", help="Farthest a point may lie off the surface. Exports only."),
+    ] = 5.0,
+    mapped_within: Annotated[
+        float,
+        typer.Option(metavar="MM", help="What is nearer to a point is mapped. Exports only."),
+    ] = 10.0,
+    column: ColumnOption = None,
     seed: SeedOption = 1,
 ) -> None:
-    """How many points the maps on a surface need: the whole analysis and its report.
+    """What a map needs or has: the whole analysis of a surface or of an export, and its report.
 
-    Writes report.html, result.json, spectrum.csv, figures and timings.json into DIR.
+    Of a surface: how many points the maps on it need. Of a mapping system's export: what its
+    points say of each map, how sure that is, where they are too few and which were redundant.
+    Writes report.html, result.json, figures and tables into DIR.
 
     Example: `auricle analyze atrium.vtp -o result -k 500`
     """
-    from auricle.cli.progress import progress_bars
-    from auricle.report.answer import answer_sentence
-    from auricle.report.bundle import write_report
-    from auricle.study.case import analyze_surface
-    from auricle.study.config import AnalysisConfig
+    from auricle.study.exports import is_export
 
     require_folder(output)
+    if is_export(surface):
+        from auricle.study.map_study import MapStudyConfig
+
+        with about(surface):
+            maps = MapStudyConfig(
+                fields=tuple(field or ()),
+                target_nrmse=target,
+                cycle_length_ms=cycle_length,
+                max_distance_mm=max_distance,
+                mapped_within_mm=mapped_within,
+                low_voltage_mv=low_voltage,
+                n_vertices=vertices,
+                n_modes=modes or 500,
+                seed=seed,
+            )
+        analyze_maps(surface, output, maps, column=column or [])
+        return
+    from auricle.study.config import AnalysisConfig
+
     defaults = AnalysisConfig()
-    with about(surface), progress_bars() as progress:
+    with about(surface):
         config = AnalysisConfig(
             n_vertices=vertices,
-            n_modes=modes,
+            n_modes=defaults.n_modes if modes is None else modes,
             fields=tuple(field or ()),
             focus_widths_mm=tuple(focus_width or defaults.focus_widths_mm),
             focus_counts=tuple(focus_count or defaults.focus_counts),
             seed=seed,
         )
+    _analyze_surface(surface, output, config)
+
+
+def _analyze_surface(surface: Path, output: Path, config: "AnalysisConfig") -> None:
+    from auricle.cli.progress import progress_bars
+    from auricle.report.answer import answer_sentence
+    from auricle.report.bundle import write_report
+    from auricle.study.case import analyze_surface
+
+    with about(surface), progress_bars() as progress:
         result = analyze_surface(surface, config, progress=progress)
         written = write_report(result, output, progress=progress)
     echo_notes(result.repairs, result.remarks)

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ from auricle.study.fitting import FittedMap, fitted_map
 from auricle.study.mapping_result import MappingConfig, MappingResult, Progression
 from auricle.study.preparation import PreparedSurface, prepare
 from auricle.study.provenance import source_of, versions
+from auricle.study.result import Source
 
 N_PREFIXES = 12
 """Numbers of samples at which the error of the samples so far is told."""
@@ -82,9 +84,49 @@ def map_samples(
         progress=progress,
     )
     solved = time.perf_counter()
-    progress("rebuild map", 0, 5)
-    chamber = prepared.chamber
-    placed = _placed(samples, read, chamber, config)
+    placed = _placed(samples, read, prepared.chamber, config)
+    rebuilt = rebuilt_map(
+        prepared,
+        (len(read), placed),
+        config,
+        source=source_of(samples),
+        validate=validate,
+        progress=progress,
+    )
+    return replace(rebuilt, seconds={"prepare": solved - begin, **rebuilt.seconds})
+
+
+def rebuilt_map(
+    prepared: PreparedSurface,
+    samples: tuple[int, PlacedSamples],
+    config: MappingConfig,
+    *,
+    source: Source,
+    validate: bool = True,
+    progress: Progress = silent,
+) -> MappingResult:
+    """As `map_samples`, of samples that lie on a surface already.
+
+    Parameters
+    ----------
+    prepared
+        The surface.
+    samples
+        How many there were, and those that could be placed on it.
+    config
+        The parameters; those of reading files and solving for harmonics are only recorded.
+    source
+        Where the samples come from.
+    validate, progress
+        As `map_samples`.
+
+    Raises
+    ------
+    InputError
+        If a parameter is at fault.
+    """
+    begin = time.perf_counter()
+    chamber, placed = prepared.chamber, samples[1]
     progress("rebuild map", 1, 5)
     process = GaussianProcess(chamber, placed.sites, noise_shape=placed.noise_shape)
     fitted = fitted_map(process, placed, config)
@@ -99,7 +141,7 @@ def map_samples(
     ahead = _next(fitted, prepared, config)
     progress("rebuild map", 4, 5)
     progression = _progression(fitted, placed, progress) if known else Progression.nothing()
-    judged = _judged(fitted, (aimed, share), (len(read), placed), config)
+    judged = _judged(fitted, (aimed, share), samples, config)
     around = coverage(chamber, placed.sites)
     progress("rebuild map", 5, 5)
     mean, std, singular = _on_surface(fitted, n)
@@ -108,7 +150,7 @@ def map_samples(
     return MappingResult(
         prepared=prepared,
         config=config,
-        samples_source=source_of(samples),
+        samples_source=source,
         placed=placed,
         knows_nothing=not known,
         hyperparameters=found.hyperparameters if known else None,
@@ -134,7 +176,7 @@ def map_samples(
         cross_validation=validation,
         remarks=_remarks(fitted, placed, config),
         versions=versions(),
-        seconds={"prepare": solved - begin, "rebuild": time.perf_counter() - solved},
+        seconds={"rebuild": time.perf_counter() - begin},
     )
 
 

@@ -1,6 +1,6 @@
 """Preparation: from a surface file to the chamber that samples are planned and maps rebuilt on."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from auricle.surface.mesh import Mesh
 from auricle.surface.reading import read_surface
 from auricle.surface.simplification import simplify
 from auricle.surface.soundness import Soundness, soundness, zero_area_remark
+from auricle.surface.soup import TriangleSoup
 from auricle.surface.transfer import transfer
 
 N_VERTICES = 10_000
@@ -120,9 +121,47 @@ def prepare(
     """
     progress("prepare surface", 0, 3)
     soup = read_surface(path)
-    cleaned = clean(soup)
     for name in needed:
-        _scalar(cleaned.fields, name)
+        _require_scalar({each: values.ndim for each, values in soup.point_fields.items()}, name)
+    return prepare_soup(
+        soup,
+        source_of(path),
+        n_vertices=n_vertices,
+        n_modes=n_modes,
+        seed=seed,
+        progress=progress,
+    )
+
+
+def prepare_soup(
+    soup: TriangleSoup,
+    source: Source,
+    *,
+    n_vertices: int = N_VERTICES,
+    n_modes: int = N_MODES,
+    seed: int = 1,
+    progress: Progress = silent,
+) -> PreparedSurface:
+    """As `prepare`, of triangles that have been read already.
+
+    Parameters
+    ----------
+    soup
+        The triangles and the fields on them.
+    source
+        Where they come from.
+    n_vertices, n_modes, seed, progress
+        As `prepare`.
+
+    Raises
+    ------
+    InputError
+        If the surface cannot be used.
+    SolverError
+        If the harmonics miss their certificate.
+    """
+    progress("prepare surface", 0, 3)
+    cleaned = clean(soup)
     n_left = min(n_vertices, cleaned.mesh.n_vertices)
     if not 2 <= n_modes < n_left:
         raise InputError(
@@ -152,7 +191,7 @@ def prepare(
             "surface's area; points and errors are for the real surface"
         )
     return PreparedSurface(
-        source=source_of(path),
+        source=source,
         surface=surface,
         chamber=Chamber(capped.mesh, basis, capped.original),
         fields=fields,
@@ -165,10 +204,14 @@ def prepare(
 
 
 def _scalar(fields: Sequence[FieldMap], name: str) -> FieldMap:
-    for each in fields:
-        if each.name == name:
-            if each.values.ndim != 1:
-                raise InputError(f"field {name!r} is a vector: choose one number a vertex")
-            return each
-    have = ", ".join(sorted(each.name for each in fields)) or "none"
-    raise InputError(f"no field named {name!r}: the surface has {have}")
+    _require_scalar({each.name: each.values.ndim for each in fields}, name)
+    return next(each for each in fields if each.name == name)
+
+
+def _require_scalar(dimensions: Mapping[str, int], name: str) -> None:
+    """Refuse a name that is of no field, or of one with more than a number a vertex."""
+    if name not in dimensions:
+        have = ", ".join(sorted(dimensions)) or "none"
+        raise InputError(f"no field named {name!r}: the surface has {have}")
+    if dimensions[name] != 1:
+        raise InputError(f"field {name!r} is a vector: choose one number a vertex")
