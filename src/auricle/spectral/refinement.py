@@ -2,8 +2,9 @@
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg import eigh
 
-from auricle.arrays import Floats, PerMode
+from auricle.arrays import Floats, Integers, PerMode
 from auricle.spectral.factorization import factorize
 from auricle.spectral.workers import Workers
 
@@ -12,7 +13,8 @@ _NEARLY = 1e-6
 """Departure from orthonormality that one Newton-Schulz step takes to rounding: it squares it."""
 _MOST_STEPS = 4
 _ENOUGH = 2e-10
-_CORRECTIONS = 3
+_CORRECTIONS = 5
+_SIMILAR, _BELOW = 1.1, 0.995
 
 
 def orthonormalized(rows: Floats, workers: Workers) -> Floats:
@@ -83,7 +85,8 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
     An entry of an iteration's vector is right to rounding of the vector's length and not of its
     own size. At vertices of very little area the matrix is large, and there that shows. Such
     errors belong to eigenvalues far above those sought, and one solve with the matrix, shifted
-    to be positive definite, takes them out.
+    to be positive definite, takes them out. Where that is not enough, the rows are rotated into
+    Ritz vectors, and steps of inverse iteration follow at shifts near to what is left.
 
     Parameters
     ----------
@@ -96,23 +99,62 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
     workers
         Who share the solves.
     """
-    for _ in range(_CORRECTIONS):
-        values, residuals = rayleigh_quotients(matrix, rows, workers)
-        poor = np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
+    for attempt in range(_CORRECTIONS):
+        values, poor = _poor(matrix, rows, least, workers)
         if not len(poor):
             break
-        rows = _corrected_once(matrix, rows, poor, max(float(values.max()), least), workers)
+        groups = [(-least, poor)]
+        if attempt:
+            rows = _rotated(matrix, rows, workers)
+            groups = _by_height(*_poor(matrix, rows, least, workers), least)
+        for shift, some in groups:
+            rows = _solved_for(matrix, rows, some, shift, workers)
+        rows = orthonormalized(rows, workers)
     return rows
 
 
-def _corrected_once(
-    matrix: sparse.csc_array,
-    rows: Floats,
-    poor: np.ndarray,
-    height: float,
-    workers: Workers,
+def _poor(
+    matrix: sparse.csc_array, rows: Floats, least: float, workers: Workers
+) -> tuple[PerMode, Integers]:
+    """Rayleigh quotients, and which rows leave over more than they should."""
+    values, residuals = rayleigh_quotients(matrix, rows, workers)
+    return values, np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
+
+
+def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[float, Integers]]:
+    """Poor rows in groups of similar eigenvalues, each with a shift just below its lowest."""
+    groups: list[tuple[float, Integers]] = []
+    left = poor[np.argsort(values[poor], kind="stable")]
+    while len(left):
+        low = max(float(values[left[0]]), 0.5 * least)
+        n_here = int((values[left] <= _SIMILAR * low).sum())
+        shift = _BELOW * low
+        groups.append((shift, left[:n_here]))
+        left = left[n_here:]
+    return groups
+
+
+def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats:
+    """Of the space the rows span, those that the matrix maps onto themselves (Rayleigh-Ritz).
+
+    Neighbouring runs' vectors can be mixed with each other, where eigenvalues are nearly equal.
+    """
+    products = np.empty((len(rows), len(rows)))
+
+    def fill(some: slice) -> None:
+        products[some] = np.ascontiguousarray((matrix @ rows[some].T).T) @ rows.T
+
+    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    _, rotation = eigh(0.5 * (products + products.T))
+    rotated: Floats = rotation.T @ rows
+    return rotated
+
+
+def _solved_for(
+    matrix: sparse.csc_array, rows: Floats, poor: Integers, shift: float, workers: Workers
 ) -> Floats:
-    factors = factorize(matrix, -height)
+    """Rows with what is left over of the poor ones solved for: a step of inverse iteration."""
+    factors = factorize(matrix, shift)
     better = rows.copy()
 
     def fill(some: slice) -> None:
@@ -120,7 +162,7 @@ def _corrected_once(
         better[poor[some]] -= factors.solve(left_over).T
 
     workers.each(fill, _slices(len(poor), _AT_ONCE))
-    return orthonormalized(better, workers)
+    return better
 
 
 def _left_over(matrix: sparse.csc_array, rows: Floats) -> tuple[Floats, Floats]:
