@@ -1,12 +1,12 @@
 """The eigensolver against its peers on real left atria: interleaved rounds, one process a run.
 
     python benchmarks/eigensolver.py prepare PROBLEMS MESH VERTICES MOST_MODES
-    python benchmarks/eigensolver.py measure PROBLEMS NAME --k 100 500 --rounds 5 --solvers auricle …
+    python benchmarks/eigensolver.py measure PROBLEMS NAME --k 100 --rounds 5 --solvers …
     python benchmarks/eigensolver.py floor PROBLEMS NAME --k 100 500
     python benchmarks/eigensolver_report.py PROBLEMS     # writes docs/performance.md and its figure
 
 PROBLEMS is a folder; results are appended to its results.jsonl. A solver's interpreter is this one
-unless `--python SOLVER='COMMAND …'` names another (its own environment, Debian's python3 for SLEPc).
+unless `--python SOLVER='COMMAND …'` names another (an environment of its own, or Debian's for SLEPc).
 """
 
 import argparse
@@ -96,7 +96,7 @@ def run(command: list[str], solver: str, folder: Path, case: tuple[str, int, int
     except subprocess.TimeoutExpired:
         return failed | {"failed": f"nothing after {limit:.0f} s"}
     if done.returncode:
-        return failed | {"failed": done.stderr.strip().splitlines()[-1][:200]}
+        return failed | {"failed": (done.stderr.strip() or "ended").splitlines()[-1][:200]}
     return json.loads(done.stdout.splitlines()[-1])
 
 

@@ -22,19 +22,19 @@ SHIFT = -0.01
 
 
 def auricle(problem, k, threads):
-    """This package: assembly, solution, final orthonormalisation and certificate."""
+    """Solve by this package: assembly, solution, final orthonormalisation and certificate."""
     harmonics = importlib.import_module("auricle.spectral.harmonics")
     mesh = importlib.import_module("auricle.surface.mesh").Mesh(problem.vertices, problem.faces)
     basis = harmonics.manifold_harmonics(mesh, k, threads=threads)
     return basis.eigenvalues[:k], basis.modes[:, :k]
 
 
-def eigsh_superlu(problem, k, threads):
+def eigsh_superlu(problem, k, _threads):
     """ARPACK, shift-inverted by SuperLU: scipy as it comes."""
     return eigsh(problem.stiffness, k, problem.mass, sigma=SHIFT)
 
 
-def eigsh_superlu_symmetric(problem, k, threads):
+def eigsh_superlu_symmetric(problem, k, _threads):
     """ARPACK, shift-inverted by SuperLU in its symmetric mode, ordered by minimum degree."""
     from scipy.sparse.linalg import splu
 
@@ -45,7 +45,7 @@ def eigsh_superlu_symmetric(problem, k, threads):
     return eigsh(problem.stiffness, k, problem.mass, sigma=SHIFT, OPinv=inverse)
 
 
-def eigsh_cholespy(problem, k, threads):
+def eigsh_cholespy(problem, k, _threads):
     """ARPACK, shift-inverted by CHOLMOD through cholespy."""
     cholespy = importlib.import_module("cholespy")
     shifted = sparse.coo_matrix(problem.stiffness - SHIFT * problem.mass)
@@ -63,12 +63,12 @@ def eigsh_cholespy(problem, k, threads):
     return eigsh(problem.stiffness, k, problem.mass, sigma=SHIFT, OPinv=inverse)
 
 
-def lapy_splu(problem, k, threads):
+def lapy_splu(problem, k, _threads):
     """LaPy with SuperLU and lumped areas."""
     return _lapy(problem, k, cholmod=False)
 
 
-def lapy_cholespy(problem, k, threads):
+def lapy_cholespy(problem, k, _threads):
     """LaPy with cholespy and lumped areas."""
     return _lapy(problem, k, cholmod=True)
 
@@ -81,15 +81,15 @@ def _lapy(problem, k, *, cholmod):
     return solver.eigs(k=k)
 
 
-def pyfm(problem, k, threads):
-    """pyFM (pyfmaps) as it comes."""
+def pyfm(problem, k, _threads):
+    """PyFM (pyfmaps) as it comes."""
     trimesh = importlib.import_module("pyFM.mesh.trimesh").TriMesh(problem.vertices, problem.faces)
     trimesh.process(k=k)
     problem.stiffness, problem.mass = trimesh.W, trimesh.A
     return trimesh.eigenvalues, trimesh.eigenvectors
 
 
-def robust_eigsh(problem, k, threads):
+def robust_eigsh(problem, k, _threads):
     """robust-laplacian's intrinsic Delaunay operator, another one, and ARPACK."""
     robust = importlib.import_module("robust_laplacian")
     stiffness, mass = robust.mesh_laplacian(problem.vertices, problem.faces)
@@ -97,7 +97,7 @@ def robust_eigsh(problem, k, threads):
     return eigsh(stiffness, k, mass, sigma=SHIFT)
 
 
-def slepc_slicing(problem, k, threads):
+def slepc_slicing(problem, k, _threads):
     """SLEPc's Krylov-Schur with spectrum slicing and MUMPS, told where the k-th eigenvalue ends."""
     petsc = importlib.import_module("petsc4py.PETSc")
     slepc = importlib.import_module("slepc4py.SLEPc")
@@ -132,7 +132,7 @@ def slepc_slicing(problem, k, threads):
     return np.array(values), np.array(vectors).T
 
 
-def dense_lapack(problem, k, threads):
+def dense_lapack(problem, k, _threads):
     """LAPACK's divide and conquer on the full matrix."""
     roots = 1 / np.sqrt(problem.areas)
     full = roots[:, None] * problem.stiffness.toarray() * roots
@@ -212,7 +212,7 @@ def main(name, path, k, threads, out):
         "residual": residual,
         "orthogonality": overlap,
     }
-    print(json.dumps(figures))
+    sys.stdout.write(json.dumps(figures) + "\n")
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ from scipy import sparse
 from auricle.errors import SolverError
 from auricle.spectral import slicing
 from auricle.spectral.factorization import factorize
-from auricle.spectral.laplacian import laplacian
 from auricle.spectral.lanczos import LanczosRun
+from auricle.spectral.laplacian import laplacian
 from auricle.spectral.slicing import lowest_eigenpairs
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh

@@ -12,7 +12,7 @@ from auricle.spectral.workers import Workers
 from auricle.surface.shapes import icosphere
 
 
-class GaveUp(Exception):
+class GivenUpError(Exception):
     """What a caller raises to cancel."""
 
 
@@ -58,9 +58,9 @@ def test_work_under_way_ends_when_the_caller_gives_up() -> None:
             time.sleep(0.001)
 
     workers = Workers(1)
-    with pytest.raises(GaveUp), workers:
-        endless = workers.submit(forever, workers)
-        raise GaveUp
+    endless = workers.submit(forever, workers)
+    with pytest.raises(GivenUpError), workers:
+        raise GivenUpError
     with pytest.raises(CancelledError):
         endless.result()
 
@@ -69,23 +69,22 @@ def test_work_under_way_ends_when_the_caller_gives_up() -> None:
 def test_harmonics_are_cancelled_between_two_steps_of_a_run(threads) -> None:
     """The whole takes many times as long as what is left after the caller has had enough."""
     sphere = icosphere(radius=30.0, subdivisions=5)
-    began = ended = 0.0
+    began = 0.0
 
-    def progress(stage: str, done: float, total: float) -> None:
+    def progress(*_: object) -> None:
         nonlocal began
         if time.perf_counter() - began > 0.4:
-            raise GaveUp
+            raise GivenUpError
 
     began = time.perf_counter()
-    with pytest.raises(GaveUp):
+    with pytest.raises(GivenUpError):
         manifold_harmonics(sphere, 1000, threads=threads, progress=progress)
     ended = time.perf_counter()
     assert ended - began < 0.4 + 2.0
 
 
-@pytest.mark.parametrize("subdivisions", [4])
-def test_the_digits_do_not_depend_on_the_number_of_threads(subdivisions) -> None:
-    sphere = icosphere(radius=30.0, subdivisions=subdivisions)
+def test_the_digits_do_not_depend_on_the_number_of_threads() -> None:
+    sphere = icosphere(radius=30.0, subdivisions=4)
     one = manifold_harmonics(sphere, 300, threads=1)
     for threads in (2, 3):
         other = manifold_harmonics(sphere, 300, threads=threads)

@@ -100,7 +100,7 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
         Who share the solves.
     """
     for attempt in range(_CORRECTIONS):
-        values, poor = _poor(matrix, rows, least, workers)
+        _, poor = _poor(matrix, rows, least, workers)
         if not len(poor):
             break
         groups = [(-least, poor)]
