@@ -6,7 +6,7 @@
     python benchmarks/eigensolver_report.py PROBLEMS     # writes docs/performance.md and its figure
 
 PROBLEMS is a folder; results are appended to its results.jsonl. A solver's interpreter is this one
-unless `--python SOLVER='COMMAND …'` names another (an environment of its own, or Debian's for SLEPc).
+unless `--python SOLVER='COMMAND …'` names another (its own environment, or Debian’s for SLEPc).
 """
 
 import argparse

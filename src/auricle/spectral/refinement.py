@@ -12,8 +12,10 @@ _AT_ONCE = 64
 _NEARLY = 1e-6
 """Departure from orthonormality that one Newton-Schulz step takes to rounding: it squares it."""
 _MOST_STEPS = 4
-_ENOUGH = 2e-10
+_ENOUGH = 5e-10
 _CORRECTIONS = 5
+_PROGRESS = 0.5
+"""Share of the largest residual that must be gone for another correction to be worth its time."""
 _SIMILAR, _BELOW = 1.1, 0.995
 
 
@@ -80,7 +82,7 @@ def rayleigh_quotients(
 
 
 def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: Workers) -> Floats:
-    """Rows whose residual, relative to the eigenvalue, is about 1e-10 where rounding allows.
+    """Rows whose residual, relative to the eigenvalue, is about 5e-10 where rounding allows.
 
     An entry of an iteration's vector is right to rounding of the vector's length and not of its
     own size. At vertices of very little area the matrix is large, and there that shows. Such
@@ -99,10 +101,14 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
     workers
         Who share the solves.
     """
+    before = np.inf
     for attempt in range(_CORRECTIONS):
-        _, poor = _poor(matrix, rows, least, workers)
-        if not len(poor):
+        values, residuals = rayleigh_quotients(matrix, rows, workers)
+        relative = residuals / np.maximum(values, least)
+        poor = np.flatnonzero(relative > _ENOUGH)
+        if not len(poor) or relative.max() > _PROGRESS * before:
             break
+        before = float(relative.max())
         groups = [(-least, poor)]
         if attempt:
             rows = _rotated(matrix, rows, workers)
