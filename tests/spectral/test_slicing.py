@@ -1,7 +1,5 @@
 """Spectrum slicing misses nothing: against dense LAPACK, on meshes full of equal eigenvalues."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 from scipy import sparse
@@ -12,11 +10,12 @@ from auricle.spectral.factorization import factorize
 from auricle.spectral.lanczos import LanczosRun
 from auricle.spectral.laplacian import laplacian
 from auricle.spectral.slicing import lowest_eigenpairs
+from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import cube, icosphere, joined
 
 COUNTS = (1, 2, 10, 50, 99, 200)
-POOL = ThreadPoolExecutor(2)
+WORKERS = Workers(2)
 
 
 def two_spheres() -> Mesh:
@@ -49,7 +48,7 @@ def test_no_eigenvalue_is_missing_over_ten_seeds_and_six_counts(name) -> None:
                 count,
                 density=mesh.area / (4 * np.pi),
                 rng=np.random.default_rng(seed),
-                pool=POOL,
+                workers=WORKERS,
             )
             assert len(found.values) > count
             np.testing.assert_allclose(
@@ -90,7 +89,7 @@ def test_what_is_counted_but_not_found_is_an_error_not_a_gap(monkeypatch) -> Non
             20,
             density=mesh.area / (4 * np.pi),
             rng=np.random.default_rng(0),
-            pool=POOL,
+            workers=WORKERS,
         )
 
 
@@ -102,8 +101,7 @@ def test_progress_counts_up_to_what_was_asked() -> None:
         150,
         density=mesh.area / (4 * np.pi),
         rng=np.random.default_rng(0),
-        pool=POOL,
-        progress=lambda stage, done, total: seen.append((stage, done, total)),
+        workers=Workers(2, lambda stage, done, total: seen.append((stage, done, total))),
     )
     assert seen[-1] == ("harmonics", 150, 150)
     assert [done for _, done, _ in seen] == sorted(done for _, done, _ in seen)

@@ -1,6 +1,5 @@
 """Manifold harmonics: the eigenfunctions of a surface's Laplacian, complete and certified."""
 
-from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,16 +12,25 @@ from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
 from auricle.spectral.factorization import factorize
 from auricle.spectral.laplacian import Laplacian, laplacian
+from auricle.spectral.memory import require_memory
 from auricle.spectral.power import Spectrum
+from auricle.spectral.refinement import (
+    corrected,
+    orthonormalized,
+    overlap,
+    rayleigh_quotients,
+)
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
+from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
 
-LARGEST_RESIDUAL = 1e-8
+LARGEST_RESIDUAL = 1e-9
 LARGEST_ORTHOGONALITY_ERROR = 1e-10
 _DENSE_SIZE = 1_500
 _DENSE_SHARE = 1 / 4
+_DENSE_COPIES = 4
+"""Full matrices that LAPACK's divide and conquer holds at one time."""
 _CLUSTER_GAP = 1e-7
-_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -198,19 +206,19 @@ def manifold_harmonics(
         )
     # Slices of the spectrum are the parts of the work that run side by side: in the narrow matrix
     # products of each a second thread gains little, and on shared cores it costs many times over.
-    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(threads) as pool:
-        return _solved(laplacian(mesh), n_modes, seed=seed, pool=pool, progress=progress)
+    with threadpool_limits(1, user_api="blas"), Workers(threads, progress) as workers:
+        return _solved(laplacian(mesh), n_modes, seed=seed, workers=workers)
 
 
-def _solved(
-    operator: Laplacian, n_modes: int, *, seed: int, pool: Executor, progress: Progress
-) -> Harmonics:
+def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
     matrix = _symmetrized(operator)
     scale = 4 * np.pi / operator.areas.sum()
     n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
         method = "dense LAPACK"
-        values, vectors = eigh(matrix.toarray(), driver="evd")
+        require_memory(_DENSE_COPIES * 8 * n**2, f"{n_modes} harmonics of {n} vertices")
+        workers.report("harmonics", 0, n_modes)
+        values, vectors = workers.result(workers.submit(eigh, matrix.toarray(), driver="evd"))
         pairs = LowestPairs(values, vectors.T, ())
     else:
         method = "block Lanczos with spectrum slicing"
@@ -219,14 +227,19 @@ def _solved(
             n_modes,
             density=1 / scale,
             rng=np.random.default_rng(seed),
-            pool=pool,
-            progress=progress,
+            workers=workers,
         )
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
-    found = LowestPairs(
-        pairs.values, _orthonormalized(pairs.vectors[:n_returned], pool), pairs.retries
-    )
-    return _certified(operator, matrix, found, n_asked=n_modes, method=method, pool=pool)
+    rows = orthonormalized(pairs.vectors[:n_returned], workers)
+    rows = corrected(matrix, rows, least=_least(pairs.values, scale), workers=workers)
+    found = LowestPairs(pairs.values, rows, pairs.retries)
+    return _certified(operator, matrix, found, n_asked=n_modes, method=method, workers=workers)
+
+
+def _least(values: Floats, scale: float) -> float:
+    """The least eigenvalue that is not zero; one of the surface's scale where all are."""
+    above = values[values > _CLUSTER_GAP * scale]
+    return float(above[0]) if len(above) else scale
 
 
 def _symmetrized(operator: Laplacian) -> sparse.csc_array:
@@ -249,14 +262,14 @@ def _certified(
     *,
     n_asked: int,
     method: str,
-    pool: Executor,
+    workers: Workers,
 ) -> Harmonics:
     """Harmonics with their certificate, from eigenpairs of the symmetrised matrix.
 
     There may be more of `pairs.values` than of the vectors: the next one places the last gap.
     """
     rows, n_modes = pairs.vectors, len(pairs.vectors)
-    values, residuals = _rayleigh_quotients(matrix, rows, pool)
+    values, residuals = rayleigh_quotients(matrix, rows, workers)
     n_zero = int((values < _CLUSTER_GAP * 4 * np.pi / operator.areas.sum()).sum())
     first = values[n_zero] if n_zero < n_modes else 4 * np.pi / operator.areas.sum()
     values = np.where(np.arange(n_modes) < n_zero, 0.0, values)
@@ -268,7 +281,7 @@ def _certified(
         gap_per_mm2=count.shift,
         eigenvalues_below_gap=count.n_below,
         largest_residual=float((residuals / np.maximum(values, first)).max()),
-        largest_orthogonality_error=float(np.abs(_overlap(rows, pool)).max()),
+        largest_orthogonality_error=float(np.abs(overlap(rows, workers)).max()),
         n_zero_modes=n_zero,
         method=method,
         retries=pairs.retries,
@@ -278,54 +291,6 @@ def _certified(
     peaks = np.take_along_axis(rows, np.abs(rows).argmax(axis=1)[:, None], axis=1)
     rows *= np.sign(peaks)
     return Harmonics(values, rows.T, operator.areas, operator.kind, certificate)
-
-
-def _orthonormalized(rows: Floats, pool: Executor) -> Floats:
-    """The nearest orthonormal rows, by a Newton-Schulz step of the polar decomposition."""
-    lower = _overlap(rows, pool)
-    correction = 0.5 * (np.tril(lower, -1) + np.tril(lower).T)
-    orthonormal = np.empty_like(rows)
-
-    def fill(some: slice) -> None:
-        np.subtract(rows[some], correction[some] @ rows, out=orthonormal[some])
-
-    list(pool.map(fill, _slices(len(rows), -(-len(rows) // 4))))
-    return orthonormal
-
-
-def _overlap(rows: Floats, pool: Executor) -> Floats:
-    """Inner products of all rows less those of orthonormal ones: the lower triangle, shape (k, k).
-
-    Half the work of a general product, since it is symmetric.
-    """
-    products = np.zeros((len(rows), len(rows)))
-
-    def fill(some: slice) -> None:
-        np.matmul(rows[some], rows[: some.stop].T, out=products[some, : some.stop])
-
-    list(pool.map(fill, _slices(len(rows), _AT_ONCE)))
-    products[np.diag_indices_from(products)] -= 1.0
-    return np.tril(products)
-
-
-def _rayleigh_quotients(
-    matrix: sparse.csc_array, rows: Floats, pool: Executor
-) -> tuple[PerMode, PerMode]:
-    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,)."""
-    values, residuals = np.empty(len(rows)), np.empty(len(rows))
-
-    def fill(some: slice) -> None:
-        vectors = np.ascontiguousarray(rows[some].T)
-        images = matrix @ vectors
-        values[some] = np.einsum("nk,nk->k", vectors, images)
-        residuals[some] = np.linalg.norm(images - vectors * values[some], axis=0)
-
-    list(pool.map(fill, _slices(len(rows), _AT_ONCE)))
-    return values, residuals
-
-
-def _slices(count: int, size: int) -> list[slice]:
-    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
 
 
 def _require_certificate(certificate: Certificate) -> None:

@@ -49,6 +49,8 @@ class LanczosRun:
         Width and length of the run.
     rng
         Source of the starting block.
+    pause
+        Called before every step; may raise to end the run.
 
     Attributes
     ----------
@@ -69,7 +71,9 @@ class LanczosRun:
         *,
         effort: Effort,
         rng: np.random.Generator,
+        pause: Callable[[], None],
     ) -> None:
+        self._pause = pause
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_known, self._n_steps = effort, len(known), 0
         block, most_steps = effort.block, max(effort.steps)
@@ -106,6 +110,7 @@ class LanczosRun:
     def _extend(self, n_steps: int) -> None:
         """Lengthen the basis to `n_steps` blocks and the one that follows them."""
         for step in range(self._n_steps, n_steps):
+            self._pause()
             end = self._n_known + (step + 1) * self._effort.block
             newest = self._basis[end - self._effort.block : end]
             image = np.ascontiguousarray(self.factors.solve(newest.T).T)

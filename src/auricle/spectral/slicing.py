@@ -6,7 +6,6 @@ searched for again. ARPACK alone loses copies of repeated eigenvalues without a 
 """
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -15,7 +14,6 @@ from scipy import sparse
 
 from auricle.arrays import Floats
 from auricle.errors import SolverError
-from auricle.progress import Progress, silent
 from auricle.spectral.factorization import (
     ShiftedFactorization,
     SymbolicFactorization,
@@ -23,6 +21,8 @@ from auricle.spectral.factorization import (
     factorize,
 )
 from auricle.spectral.lanczos import Effort, LanczosRun
+from auricle.spectral.memory import require_memory
+from auricle.spectral.workers import Workers
 
 _BLOCK, _WIDEST_BLOCK = 8, 32
 """Width of a run's block: of an ordinary one, and of one for wide clusters.
@@ -41,6 +41,8 @@ _MARGIN = 4
 _TOLERANCE = 1e-11
 _AGREEMENT = 1e-8
 _RETRIES = 60
+_LIKELY_STEPS, _COPIES = 64, 4
+"""For the estimate of memory: length of a long run, and copies of the result held at one time."""
 
 
 @dataclass(eq=False)
@@ -108,8 +110,7 @@ def lowest_eigenpairs(
     *,
     density: float,
     rng: np.random.Generator,
-    pool: Executor,
-    progress: Progress = silent,
+    workers: Workers,
 ) -> LowestPairs:
     """More than `count` lowest eigenpairs of a symmetric positive semi-definite matrix.
 
@@ -124,28 +125,39 @@ def lowest_eigenpairs(
         shift; later shifts follow the density met.
     rng
         Source of the starting blocks.
-    pool
-        Where neighbouring slices are searched at the same time. The digits do not depend on how
-        many threads it has.
-    progress
-        Told the number of eigenvalues certified.
+    workers
+        Who search neighbouring slices at the same time, and are told the number of eigenvalues
+        certified. The digits do not depend on how many there are.
 
     Raises
     ------
+    InputError
+        If the memory that is left does not suffice.
     SolverError
         If eigenvalues that inertia counts cannot be found after many restarts.
     """
     symbolic = analyze(matrix)
+    require_memory(
+        needed_bytes(symbolic, count), f"{count} harmonics of {len(matrix.indptr) - 1} vertices"
+    )
     ladder = _Ladder(np.empty(0), [], certified=-1 / density)
+    workers.report("harmonics", 0, count)
     while ladder.n_certified <= count:
         shifts = _next_shifts(matrix, symbolic, ladder, count=count, density=density)
         found, width = shifts[-1].n_below - ladder.n_certified, shifts[-1].shift - ladder.certified
         density = max(found, 1) / width
-        _climb(shifts, ladder, rng=rng, pool=pool)
-        progress("harmonics", min(ladder.n_certified, count), count)
+        _climb(shifts, ladder, rng=rng, workers=workers)
+        workers.report("harmonics", min(ladder.n_certified, count), count)
     vectors = np.stack(ladder.vectors[: ladder.n_certified])
     values = ladder.values[: ladder.n_certified]
     return LowestPairs(values, vectors, tuple(ladder.retries))
+
+
+def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
+    """Memory that the search takes at its highest, with what is made of its result."""
+    n = len(symbolic.plan.order)
+    runs = _AT_ONCE * (symbolic.n_bytes + 8 * n * _BLOCK * _LIKELY_STEPS)
+    return runs + 8 * count * (_COPIES * n + 2 * count)
 
 
 def _next_shifts(
@@ -197,34 +209,43 @@ def _climb(
     ladder: _Ladder,
     *,
     rng: np.random.Generator,
-    pool: Executor,
+    workers: Workers,
 ) -> None:
     """Put every eigenpair under the shifts on the ladder, and those found on the way above them."""
     between = np.diff([ladder.n_certified, *(factors.n_below for factors in shifts)])
     runs = [
-        pool.submit(_run, factors, own, _reaches(ladder, factors, n_here, n_above, first=not i))
+        workers.submit(
+            _run,
+            factors,
+            own,
+            _reaches(ladder, factors, n_here, n_above, first=not i),
+            workers.pause,
+        )
         for i, (factors, own, n_here, n_above) in enumerate(
             zip(shifts, rng.spawn(len(shifts)), between, [*between[1:], 0], strict=True)
         )
     ]
     for submitted in runs:
-        run = submitted.result()
+        run = workers.result(submitted)
         factors = run.factors
-        run.until(partial(_joins, ladder, factors))
+        workers.result(workers.submit(run.until, partial(_joins, ladder, factors)))
         junction = _junction(ladder, run.values, factors)
         if junction is None:
-            _search(factors, ladder, rng=rng)
+            _search(factors, ladder, rng=rng, workers=workers)
         else:
             ladder.replace_above(junction[0], run, junction[1])
         ladder.certify(factors)
 
 
 def _run(
-    factors: ShiftedFactorization, rng: np.random.Generator, enough: Callable[[Floats], bool]
+    factors: ShiftedFactorization,
+    rng: np.random.Generator,
+    enough: Callable[[Floats], bool],
+    pause: Callable[[], None],
 ) -> LanczosRun:
     nothing = np.empty((0, factors.size))
     effort = _effort(factors, _BLOCK, _STEPS)
-    return LanczosRun(factors, nothing, effort=effort, rng=rng).until(enough)
+    return LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause).until(enough)
 
 
 def _reaches(
@@ -276,7 +297,13 @@ def _junction(
     return (kept, int(following[kept])) if gaps[kept] > close else None
 
 
-def _search(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Generator) -> None:
+def _search(
+    factors: ShiftedFactorization,
+    ladder: _Ladder,
+    *,
+    rng: np.random.Generator,
+    workers: Workers,
+) -> None:
     """Look for what is missing under the shift among all that is orthogonal to what is known."""
     reach = factors.shift - ladder.certified
     block, attempt = _BLOCK, 0
@@ -285,7 +312,8 @@ def _search(factors: ShiftedFactorization, ladder: _Ladder, *, rng: np.random.Ge
         ladder.retries.append(f"{missing} eigenvalues below {factors.shift:.6g}/mm²")
         known = ladder.from_value(ladder.certified - reach, factors.size)
         effort = _effort(factors, block, _SEARCH_STEPS)
-        run = LanczosRun(factors, known, effort=effort, rng=rng).until()
+        run = LanczosRun(factors, known, effort=effort, rng=rng, pause=workers.pause)
+        workers.result(workers.submit(run.until))
         # Under the certified height everything is known: what is met there again is left.
         fresh = int(np.searchsorted(run.values, ladder.certified, side="right"))
         ladder.add(run.values[fresh:], run.vectors(fresh))

@@ -1,0 +1,183 @@
+"""Eigenpairs brought to rounding: rows made orthonormal, and what is left over corrected for."""
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import eigh
+
+from auricle.arrays import Floats, Integers, PerMode
+from auricle.spectral.factorization import factorize
+from auricle.spectral.workers import Workers
+
+_AT_ONCE = 64
+_NEARLY = 1e-6
+"""Departure from orthonormality that one Newton-Schulz step takes to rounding: it squares it."""
+_MOST_STEPS = 4
+_ENOUGH = 5e-10
+_CORRECTIONS = 5
+_PROGRESS = 0.5
+"""Share of the largest residual that must be gone for another correction to be worth its time."""
+_SIMILAR, _BELOW = 1.1, 0.995
+
+
+def orthonormalized(rows: Floats, workers: Workers) -> Floats:
+    """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
+
+    Parameters
+    ----------
+    rows
+        Nearly orthonormal, shape (k, n).
+    workers
+        Who share the products.
+
+    References
+    ----------
+    Higham 2008, Functions of Matrices, § 8.3.
+    """
+    for _ in range(_MOST_STEPS):
+        lower = overlap(rows, workers)
+        rows = _step(rows, 0.5 * (np.tril(lower, -1) + np.tril(lower).T), workers)
+        if np.abs(lower).max() < _NEARLY:
+            break
+    return rows
+
+
+def _step(rows: Floats, correction: Floats, workers: Workers) -> Floats:
+    """Rows less what the triangular `correction` takes of those before and after."""
+    stepped = np.empty_like(rows)
+
+    def fill(some: slice) -> None:
+        np.subtract(rows[some], correction[some] @ rows, out=stepped[some])
+
+    workers.each(fill, _slices(len(rows), -(-len(rows) // 4)))
+    return stepped
+
+
+def overlap(rows: Floats, workers: Workers) -> Floats:
+    """Inner products of all rows less those of orthonormal ones: the lower triangle, shape (k, k).
+
+    Half the work of a general product, since it is symmetric.
+    """
+    products = np.zeros((len(rows), len(rows)))
+
+    def fill(some: slice) -> None:
+        np.matmul(rows[some], rows[: some.stop].T, out=products[some, : some.stop])
+
+    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    products[np.diag_indices_from(products)] -= 1.0
+    return np.tril(products)
+
+
+def rayleigh_quotients(
+    matrix: sparse.csc_array, rows: Floats, workers: Workers
+) -> tuple[PerMode, PerMode]:
+    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,)."""
+    values, residuals = np.empty(len(rows)), np.empty(len(rows))
+
+    def fill(some: slice) -> None:
+        values[some], left_over = _left_over(matrix, rows[some])
+        residuals[some] = np.linalg.norm(left_over, axis=0)
+
+    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    return values, residuals
+
+
+def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: Workers) -> Floats:
+    """Rows whose residual, relative to the eigenvalue, is about 5e-10 where rounding allows.
+
+    An entry of an iteration's vector is right to rounding of the vector's length and not of its
+    own size. At vertices of very little area the matrix is large, and there that shows. Such
+    errors belong to eigenvalues far above those sought, and one solve with the matrix, shifted
+    to be positive definite, takes them out. Where that is not enough, the rows are rotated into
+    Ritz vectors, and steps of inverse iteration follow at shifts near to what is left.
+
+    Parameters
+    ----------
+    matrix
+        Symmetric, positive semi-definite, shape (n, n).
+    rows
+        Orthonormal approximate eigenvectors of its lowest eigenvalues, shape (k, n).
+    least
+        Eigenvalue that residuals of smaller ones are relative to.
+    workers
+        Who share the solves.
+    """
+    before = np.inf
+    for attempt in range(_CORRECTIONS):
+        values, residuals = rayleigh_quotients(matrix, rows, workers)
+        relative = residuals / np.maximum(values, least)
+        poor = np.flatnonzero(relative > _ENOUGH)
+        if not len(poor) or relative.max() > _PROGRESS * before:
+            break
+        before = float(relative.max())
+        groups = [(-least, poor)]
+        if attempt:
+            rows = _rotated(matrix, rows, workers)
+            groups = _by_height(*_poor(matrix, rows, least, workers), least)
+        for shift, some in groups:
+            rows = _solved_for(matrix, rows, some, shift, workers)
+        rows = orthonormalized(rows, workers)
+    return rows
+
+
+def _poor(
+    matrix: sparse.csc_array, rows: Floats, least: float, workers: Workers
+) -> tuple[PerMode, Integers]:
+    """Rayleigh quotients, and which rows leave over more than they should."""
+    values, residuals = rayleigh_quotients(matrix, rows, workers)
+    return values, np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
+
+
+def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[float, Integers]]:
+    """Poor rows in groups of similar eigenvalues, each with a shift just below its lowest."""
+    groups: list[tuple[float, Integers]] = []
+    left = poor[np.argsort(values[poor], kind="stable")]
+    while len(left):
+        low = max(float(values[left[0]]), 0.5 * least)
+        n_here = int((values[left] <= _SIMILAR * low).sum())
+        shift = _BELOW * low
+        groups.append((shift, left[:n_here]))
+        left = left[n_here:]
+    return groups
+
+
+def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats:
+    """Of the space the rows span, those that the matrix maps onto themselves (Rayleigh-Ritz).
+
+    Neighbouring runs' vectors can be mixed with each other, where eigenvalues are nearly equal.
+    """
+    products = np.empty((len(rows), len(rows)))
+
+    def fill(some: slice) -> None:
+        products[some] = np.ascontiguousarray((matrix @ rows[some].T).T) @ rows.T
+
+    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    _, rotation = eigh(0.5 * (products + products.T))
+    rotated: Floats = rotation.T @ rows
+    return rotated
+
+
+def _solved_for(
+    matrix: sparse.csc_array, rows: Floats, poor: Integers, shift: float, workers: Workers
+) -> Floats:
+    """Rows with what is left over of the poor ones solved for: a step of inverse iteration."""
+    factors = factorize(matrix, shift)
+    better = rows.copy()
+
+    def fill(some: slice) -> None:
+        _, left_over = _left_over(matrix, rows[poor[some]])
+        better[poor[some]] -= factors.solve(left_over).T
+
+    workers.each(fill, _slices(len(poor), _AT_ONCE))
+    return better
+
+
+def _left_over(matrix: sparse.csc_array, rows: Floats) -> tuple[Floats, Floats]:
+    """Rayleigh quotients, and what the matrix makes of the rows beyond them, as columns."""
+    vectors = np.ascontiguousarray(rows.T)
+    images = matrix @ vectors
+    values = np.einsum("nk,nk->k", vectors, images)
+    return values, images - vectors * values
+
+
+def _slices(count: int, size: int) -> list[slice]:
+    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
