@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+# Nothing a test does stays in the user's cache.
+os.environ["AURICLE_CACHE"] = "off"
 # Small matrices are slower on several threads, and much slower when the cores are shared.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")

@@ -12,7 +12,8 @@ import pytest
 import typer
 
 from auricle import __version__, errors
-from auricle.cli import app, commands
+from auricle.cli import app
+from auricle.cli.commands import COMMANDS
 from auricle.surface.reading import READABLE
 from auricle.surface.shapes import ellipsoid
 from auricle.surface.writing import WRITABLE, write_surface
@@ -86,7 +87,7 @@ def test_the_program_in_the_readme_has_ten_lines_or_so():
 
 def test_every_command_has_an_example_in_the_readme():
     shown = {words[1] for words in shell_lines() if words[0] == "auricle"}
-    assert set(commands.NAMES) <= shown
+    assert set(COMMANDS) <= shown
 
 
 def test_every_command_and_option_in_the_readme_and_the_makefile_exists():
@@ -111,7 +112,7 @@ def test_every_make_verb_in_the_documents_exists():
 def test_the_settings_in_the_readme_name_options_that_exist():
     (settings,) = blocks("toml")
     for command, options in tomllib.loads(settings).items():
-        known = getattr(commands, command).__annotations__
+        known = COMMANDS[command].__annotations__
         assert set(options) <= set(known)
 
 

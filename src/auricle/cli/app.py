@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from auricle import __version__
-from auricle.cli.commands import analyze, atrium, harmonics, simplify
+from auricle.cli.commands import COMMANDS
 from auricle.cli.settings import read_settings
 from auricle.errors import AuricleError
 
@@ -22,8 +22,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"auto_envvar_prefix": "AURICLE", "help_option_names": ["-h", "--help"]},
 )
-for _command in (analyze, harmonics, simplify, atrium):
-    app.command()(_command)
+for _name, _command in COMMANDS.items():
+    app.command(_name)(_command)
 
 
 def _print_version(wanted: bool) -> None:

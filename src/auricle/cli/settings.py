@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from auricle.cli import commands
+from auricle.cli.commands import COMMANDS
 from auricle.errors import InputError
 
 
@@ -33,7 +33,7 @@ def read_settings(path: Path) -> dict[str, dict[str, Any]]:
         known = _options(name)
         if not known or not isinstance(options, dict):
             raise InputError(
-                f"{path}: no command named {name!r}: use a table named {', '.join(commands.NAMES)}"
+                f"{path}: no command named {name!r}: use a table named {', '.join(COMMANDS)}"
             )
         unknown = sorted(set(options) - known)
         if unknown:
@@ -44,6 +44,6 @@ def read_settings(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _options(command: str) -> set[str]:
-    if command not in commands.NAMES:
+    if command not in COMMANDS:
         return set()
-    return set(inspect.signature(getattr(commands, command)).parameters)
+    return set(inspect.signature(COMMANDS[command]).parameters)

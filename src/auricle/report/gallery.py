@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from io import BytesIO
 from types import MappingProxyType
 from typing import Any
@@ -73,11 +74,18 @@ def figure_files(result: CaseResult, *, progress: Progress = silent) -> dict[str
         wanted["fields.png"] = fields_picture
     if result.simulated:
         wanted["foci.png"] = foci_picture
+    return drawn_files({name: partial(draw, result) for name, draw in wanted.items()}, progress)
+
+
+def drawn_files(
+    wanted: Mapping[str, Callable[[], Figure]], progress: Progress = silent
+) -> dict[str, bytes]:
+    """Draw figures in a report's style; file name (`.svg` or `.png`) → content, always the same."""
     files = {}
     for done, (name, draw) in enumerate(wanted.items()):
         progress("figures", done, len(wanted))
         with drawing_style():
-            files[name] = _content(draw(result), name)
+            files[name] = _content(draw(), name)
     progress("figures", len(wanted), len(wanted))
     return files
 

@@ -1,14 +1,10 @@
 """The page: one HTML file that tells a case to a cardiologist, complete in itself."""
 
-import base64
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache
 from types import MappingProxyType
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
-
 from auricle.report.answer import answer_sentence, focal_advice, measured_advice
+from auricle.report.html import Caption, captioned, rendered
 from auricle.report.tables import (
     DENSITY,
     HARMONICS,
@@ -26,22 +22,10 @@ from auricle.report.tables import (
     signals_table,
     surface_table,
 )
-from auricle.report.wording import counted, number, percent, printable
+from auricle.report.wording import number, printable
 from auricle.sampling.criteria import POINTS_PER_HARMONIC
 from auricle.spectral.weyl import trusted_modes
 from auricle.study.result import CaseResult
-
-_MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png"}
-
-
-@dataclass(frozen=True)
-class Caption:
-    """What is written with a figure: above it, below it, and for those who cannot see it."""
-
-    title: str
-    text: str
-    alternative: str
-
 
 CAPTIONS: Mapping[str, Caption] = MappingProxyType(
     {
@@ -89,14 +73,6 @@ CAPTIONS: Mapping[str, Caption] = MappingProxyType(
 """Captions of the figures, in the order of the page."""
 
 
-@dataclass(frozen=True)
-class _Figure:
-    """A figure with its caption, its content as a data URI."""
-
-    caption: Caption
-    uri: str
-
-
 def report_page(result: CaseResult, figures: Mapping[str, bytes]) -> str:
     """The report as one HTML page: styles and figures inside, no script, no network.
 
@@ -111,53 +87,25 @@ def report_page(result: CaseResult, figures: Mapping[str, bytes]) -> str:
         that are missing are left out, those without an entry in `CAPTIONS` come last.
     """
     maps, foci = measured_advice(result), focal_advice(result)
-    return _template().render(
-        result=result,
-        source_name=printable(result.source.name),
-        answer=answer_sentence(result),
-        cards=(*maps, *foci),
-        points=points_table(result),
-        remarks=[printable(remark) for remark in result.remarks],
-        repairs=[printable(str(repair)) for repair in result.repairs],
-        figures=_figures(figures),
-        tables=_number_tables(result),
-        surface=surface_table(result),
-        certificate=_certificate_words(result),
-        parameters=_parameters_table(result),
-        per_harmonic=POINTS_PER_HARMONIC,
-        n_trusted=trusted_modes(result.n_shell_vertices),
-        cap_share=sum(result.cap_areas_mm2) / result.shell_area_mm2,
-        versions=[f"{name} {version}" for name, version in result.versions.items()],
-    )
-
-
-@cache
-def _template() -> Template:
-    environment = Environment(
-        loader=PackageLoader("auricle.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters.update(percent=percent, counted=counted)
-    environment.globals.update(number=number, PLANNED=PLANNED, UNPLANNED=UNPLANNED, LEAST=LEAST)
-    return environment.get_template("report.html.j2")
-
-
-def _figures(files: Mapping[str, bytes]) -> tuple[_Figure, ...]:
-    known = [name for name in CAPTIONS if name in files]
-    others = sorted(name for name in files if name not in CAPTIONS)
-    return tuple(
-        _Figure(CAPTIONS.get(name) or Caption(name, "", name), _data_uri(name, files[name]))
-        for name in (*known, *others)
-    )
-
-
-def _data_uri(name: str, content: bytes) -> str:
-    media_type = _MEDIA_TYPES[name.rpartition(".")[2]]
-    return f"data:{media_type};base64,{base64.b64encode(content).decode('ascii')}"
+    context = {
+        "result": result,
+        "source_name": printable(result.source.name),
+        "answer": answer_sentence(result),
+        "cards": (*maps, *foci),
+        "points": points_table(result),
+        "remarks": [printable(remark) for remark in result.remarks],
+        "repairs": [printable(str(repair)) for repair in result.repairs],
+        "figures": captioned(figures, CAPTIONS),
+        "tables": _number_tables(result),
+        "surface": surface_table(result),
+        "certificate": _certificate_words(result),
+        "parameters": _parameters_table(result),
+        "per_harmonic": POINTS_PER_HARMONIC,
+        "n_trusted": trusted_modes(result.n_shell_vertices),
+        "cap_share": sum(result.cap_areas_mm2) / result.shell_area_mm2,
+        "versions": [f"{name} {version}" for name, version in result.versions.items()],
+    }
+    return rendered("report.html.j2", context)
 
 
 def _number_tables(result: CaseResult) -> tuple[Table, ...]:

@@ -1,0 +1,229 @@
+"""The cells of the calibration: one anatomy, every class, design, number of samples and noise.
+
+    python benchmarks/calibration_cells.py OUT.csv [SURFACE …] [--seeds 5] [--vertices 5000]
+
+For every cell a map of the class is drawn, sampled with noise and rebuilt, by the Gaussian process
+and by the methods mapping systems use, and compared with the truth at every vertex that can be
+sampled. Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. One row a cell
+goes into OUT.csv as soon as an anatomy's is done; `calibration_report.py` makes the tables.
+"""
+
+import argparse
+import csv
+import os
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+
+from auricle.arrays import Floats
+from auricle.sampling.bandwidth import class_tails
+from auricle.sampling.baselines import BASELINES
+from auricle.sampling.catheter import placed, star_catheter
+from auricle.sampling.chamber import Chamber
+from auricle.sampling.farthest_point import farthest_point_sampling
+from auricle.sampling.gaussian_process import GaussianProcess
+from auricle.sampling.pivoted_qr import pivoted_qr_sampling
+from auricle.sampling.plan import ExpectedMap, predicted_nrmse
+from auricle.sampling.random_design import random_sampling
+from auricle.sampling.sites import Sites
+from auricle.sampling.stability import LEAST_MARGINAL, judged
+from auricle.sampling.voronoi import voronoi
+from auricle.simulation.map_classes import MAP_CLASSES
+from auricle.study.preparation import prepare
+
+ATRIA = (
+    "meshes/atlas/la_endo1_Labelled.pts",
+    "meshes/atlas/la_endo2_Labelled.pts",
+    "meshes/atlas/LASC2018_06SR5RB_LA_mri_closed.vtk",
+    "meshes/lasc2013-b002/gt_noclip_mesh.vtp",
+    "meshes/lausm/test.vtk",
+    "meshes/lge/LA_A_lge.vtk",
+)
+CLASSES = ("gaussian", "activation", "macro_reentry", "scar", "disc")
+COUNTS = (25, 50, 100, 200, 400, 800)
+NOISES = (0.0, 0.05, 0.2)
+N_MODES = 1000
+FIELDS = (
+    "anatomy", "area_cm2", "map", "design", "n", "noise", "seed", "nrmse", "predicted", "planned",
+    "coverage95", "coverage95_with_detail", "length_mm", "noise_found", *BASELINES,
+)  # fmt: skip
+
+
+def designed(chamber: Chamber, design: str, count: int, seed: int) -> Sites:
+    """Sites of a design: the even ones are the same for every seed."""
+    rng = np.random.default_rng(1000 + seed)
+    if design == "farthest":
+        return Sites.at_vertices(farthest_point_sampling(chamber, count))
+    if design == "pivoted_qr":
+        n_modes = min(int(count / 1.25), chamber.basis.n_modes)
+        return Sites.at_vertices(pivoted_qr_sampling(chamber, count, n_modes=n_modes))
+    if design == "random":
+        return Sites.at_vertices(random_sampling(chamber, count, rng=rng))
+    centres = random_sampling(chamber, count, rng=rng)
+    pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
+    sites, used = Sites.at_vertices([]), 0
+    while len(sites) < count:
+        used += max(1, (count - len(sites)) // 20)
+        sites = placed(chamber, pattern, centres[:used], angles=angles[:used]).sites
+    return sites[np.arange(count)]
+
+
+DESIGNS = ("farthest", "pivoted_qr", "random", "catheter")
+
+
+def relative_error(chamber: Chamber, rebuilt: Floats, truth: Floats) -> float:
+    """The nRMSE of all columns together."""
+    pairs = list(zip(rebuilt.T, truth.T, strict=True))
+    error = sum(chamber.rms(found - true) ** 2 for found, true in pairs)
+    spread = sum(chamber.rms(true - chamber.mean(true)) ** 2 for _, true in pairs)
+    return float(np.sqrt(error / spread))
+
+
+def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]:
+    """Every cell of one anatomy."""
+    prepared = prepare(path, n_vertices=n_vertices, n_modes=N_MODES)
+    chamber = prepared.chamber
+    maps = {(name, seed): drawn(chamber, name, seed) for name in CLASSES for seed in range(n_seeds)}
+    tails = {
+        name: class_tails(chamber, MAP_CLASSES[name], n_draws=10, rng=np.random.default_rng(77)).at(
+            0.5
+        )
+        for name in CLASSES
+    }
+    for design in DESIGNS:
+        for count in COUNTS:
+            shared = design in ("farthest", "pivoted_qr")
+            process = None
+            for seed in range(n_seeds):
+                if process is None or not shared:
+                    process = GaussianProcess(chamber, designed(chamber, design, count, seed))
+                    planned = planned_errors(chamber, process.sites, tails)
+                for name in CLASSES:
+                    for noise in NOISES:
+                        yield {
+                            "anatomy": path.stem,
+                            "area_cm2": chamber.accessible_area / 100,
+                            "map": name,
+                            "design": design,
+                            "n": count,
+                            "noise": noise,
+                            "seed": seed,
+                            "planned": planned[name, noise],
+                            **rebuilt(process, maps[name, seed], noise, seed),
+                        }
+
+
+def planned_errors(
+    chamber: Chamber, sites: Sites, tails: dict[str, Floats]
+) -> dict[tuple[str, float], float]:
+    """What a plan with these sites predicts, by class and noise; as `evaluated_plan` does."""
+    shares = voronoi(chamber, sites).shares
+    most = min(len(sites), chamber.basis.n_modes)
+    choices = np.unique(np.rint(np.geomspace(1, most, 14)).astype(int)).tolist()
+    certificates = [judged(chamber, sites, n_modes, shares) for n_modes in choices]
+    sound = [each for each in certificates if each.constant >= LEAST_MARGINAL]
+    return {
+        (name, noise): min(
+            predicted_nrmse(each, ExpectedMap(monotone(tail), noise))
+            for each in sound or certificates[:1]
+        )
+        for name, tail in tails.items()
+        for noise in NOISES
+    }
+
+
+def monotone(tail: Floats) -> Floats:
+    """The least tail above this one that never grows."""
+    return np.minimum(np.maximum.accumulate(tail[::-1])[::-1], 1.0)
+
+
+def drawn(chamber: Chamber, name: str, seed: int) -> Floats:
+    """A map of the class, one column a component, shape (n, c)."""
+    map_class = MAP_CLASSES[name]
+    rng = np.random.default_rng([seed, CLASSES.index(name)])
+    field = map_class.draw(chamber.mesh, rng, allowed=chamber.accessible)
+    columns = map_class.columns(field)
+    return columns.reshape(chamber.mesh.n_vertices, -1)
+
+
+def noisy(sites: Sites, truth: Floats, noise: float, seed: int, spread: float) -> Floats:
+    """Samples of a map, shape (m, c)."""
+    rng = np.random.default_rng([seed, 5])
+    return sites.of(truth) + noise * spread * rng.standard_normal((len(sites), truth.shape[1]))
+
+
+def deviation(chamber: Chamber, truth: Floats) -> float:
+    """Standard deviation of a map over the accessible area, root mean square of its columns."""
+    squares = [chamber.rms(column - chamber.mean(column)) ** 2 for column in truth.T]
+    return float(np.sqrt(np.mean(squares)))
+
+
+def rebuilt_error(process: GaussianProcess, truth: Floats, noise: float, seed: int) -> float:
+    """Error of the Gaussian process alone."""
+    values = noisy(process.sites, truth, noise, seed, deviation(process.chamber, truth))
+    mean = process.fit(values).mean.reshape(truth.shape)
+    return relative_error(process.chamber, mean, truth)
+
+
+def rebuilt(process: GaussianProcess, truth: Floats, noise: float, seed: int) -> dict[str, float]:
+    """Errors of every method on one map with one level of noise."""
+    chamber, sites = process.chamber, process.sites
+    spread = deviation(chamber, truth)
+    values = noisy(sites, truth, noise, seed, spread)
+    found = process.fit(values)
+    mean = found.mean.reshape(truth.shape)
+    off = np.abs(mean - truth)
+    covered = {
+        "coverage95": off <= 1.96 * found.std[:, None],
+        "coverage95_with_detail": off
+        <= 1.96 * found.std_with_detail(noise=noise * spread)[:, None],
+    }
+    row = {
+        "nrmse": relative_error(chamber, mean, truth),
+        "predicted": found.predicted_nrmse,
+        **{
+            name: float(np.mean([chamber.mean(column.astype(float)) for column in inside.T]))
+            for name, inside in covered.items()
+        },
+        "length_mm": found.hyperparameters.length,
+        "noise_found": float(found.hyperparameters.noise / spread),
+    }
+    for name, interpolate in BASELINES.items():
+        other = interpolate(chamber, sites, values).reshape(truth.shape)
+        row[name] = relative_error(chamber, other, truth)
+    return row
+
+
+def _of_one(path: Path, n_seeds: int, n_vertices: int) -> list[dict[str, Any]]:
+    return list(cells(path, n_seeds, n_vertices))
+
+
+def main() -> None:
+    """Run every anatomy, two at a time."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("surfaces", type=Path, nargs="*")
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--vertices", type=int, default=5000)
+    parser.add_argument("--workers", type=int, default=2)
+    given = parser.parse_args()
+    data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
+    surfaces = given.surfaces or [data / name for name in ATRIA]
+    with ProcessPoolExecutor(given.workers) as pool, given.out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        writer.writeheader()
+        jobs = [pool.submit(_of_one, path, given.seeds, given.vertices) for path in surfaces]
+        for done, job in enumerate(as_completed(jobs), start=1):
+            writer.writerows(job.result())
+            file.flush()
+            sys.stderr.write(f"{done} of {len(jobs)} anatomies\n")
+
+
+if __name__ == "__main__":
+    main()

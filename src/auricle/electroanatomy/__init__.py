@@ -1,0 +1,1 @@
+"""Electroanatomical maps: studies of mapping systems, their points, electrograms and features."""

@@ -1,0 +1,292 @@
+"""Gaussian-process reconstruction: a map from scattered samples, and how sure it is."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from auricle.arrays import Floats, Modes, PerMode, read_only
+from auricle.errors import InputError
+from auricle.sampling.chamber import Chamber
+from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
+from auricle.sampling.matern import matern_variances
+from auricle.sampling.posterior import Posterior
+from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
+from auricle.sampling.samples import PlacedSamples
+from auricle.sampling.sites import Sites
+
+FEWEST_SAMPLES = 5
+"""With fewer, the samples' own spread says nothing of the map's."""
+LEAST_VISIBLE = 0.05
+"""Share of the map's variance that samples must span before their spread says anything of it."""
+NOISE_SHARE = 0.05
+"""Median of the default noise prior, relative to the samples' standard deviation."""
+NOISE_SPREAD = 1.0
+"""Standard deviation of the logarithm of the noise in that prior: a factor of 2.7 either way."""
+LENGTH_SHARE = 0.25
+"""Median of the prior on the correlation length, relative to the diameter √(A/π)."""
+LENGTH_SPREAD = 1.0
+"""Standard deviation of the logarithm of the length in that prior."""
+_LENGTHS_PER_OCTAVE = 2
+_OCTAVES = 4
+_SMALLEST_NOISE = 1e-4
+
+
+@dataclass(frozen=True)
+class NoisePrior:
+    """What is thought of the noise before the samples are seen: log-normal.
+
+    Attributes
+    ----------
+    median
+        Of a typical sample (the median of several that differ), in the map's unit: an
+        annotation's error, say 3 to 5 ms.
+    spread
+        Standard deviation of the noise's logarithm.
+    """
+
+    median: float
+    spread: float = NOISE_SPREAD
+
+
+class GaussianProcess:
+    """A Matérn prior on a chamber and one set of sites: ready for any values measured there.
+
+    What does not depend on the values (one eigendecomposition a correlation length) is done once,
+    when first needed, and kept: further values on the same sites cost little.
+
+    Parameters
+    ----------
+    chamber
+        Where the map lives.
+    sites
+        Where it was sampled; those in the same place are best merged first (`place`).
+    noise_shape
+        Noise of each sample relative to the others, shape (N,), positive; None for all alike.
+    smoothness
+        ν of the Matérn prior.
+    n_modes
+        How many harmonics carry the map; None for min(n/4, max(300, 2N)) of what there are.
+
+    Raises
+    ------
+    InputError
+        If there is no site, the noise shape is not one positive number a site, or fewer than two
+        modes are left.
+    """
+
+    def __init__(
+        self,
+        chamber: Chamber,
+        sites: Sites,
+        *,
+        noise_shape: Floats | None = None,
+        smoothness: float = 1.5,
+        n_modes: int | None = None,
+    ) -> None:
+        if not len(sites):
+            raise InputError("there is no sample: give one at least")
+        self.chamber = chamber
+        self.sites = sites
+        self.smoothness = smoothness
+        self.n_modes = min(n_modes or default_modes(chamber, len(sites)), chamber.basis.n_modes)
+        if self.n_modes < 2:
+            raise InputError(f"{self.n_modes} harmonics cannot carry a map: ask for 2 at least")
+        self.noise_shape = _checked_shape(noise_shape, len(sites))
+        self.at_samples: Modes = sites.of(chamber.basis.modes[:, : self.n_modes])
+        self._spectra: dict[float, SampleSpectrum] = {}
+
+    @property
+    def diameter(self) -> float:
+        """√(A/π) mm: of the sphere of the chamber's area."""
+        return math.sqrt(self.chamber.basis.area / math.pi)
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Correlation lengths searched, mm: from a sixteenth of the diameter to all of it."""
+        steps = _OCTAVES * _LENGTHS_PER_OCTAVE
+        return tuple(
+            self.diameter * 2 ** (-step / _LENGTHS_PER_OCTAVE) for step in range(steps, -1, -1)
+        )
+
+    def fit(
+        self,
+        values: Floats,
+        *,
+        noise: float | None = None,
+        noise_prior: NoisePrior | None = None,
+    ) -> Reconstruction:
+        """The map, with length, amplitude and noise by penalised marginal likelihood.
+
+        Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
+        (`NOISE_SHARE`, `NOISE_SPREAD`); on the amplitude one that counts as one sample and is
+        centred on the samples' deviation over what such sites show of a map's. Where that is
+        unknown (fewer than `FEWEST_SAMPLES`, all equal, all in one place) it is centred on the
+        largest magnitude among the values, or one unit: the result then says it knows nothing.
+
+        Parameters
+        ----------
+        values
+            Shape (N,), or (N, c) for c maps that share their hyper-parameters.
+        noise
+            Standard deviation (root mean square over the samples), if known.
+        noise_prior
+            Used if it is not.
+
+        Raises
+        ------
+        InputError
+            If there is not one finite value a site, or noise or prior are not positive.
+        """
+        columns = self._checked(values)
+        if noise is not None and not (noise >= 0 and math.isfinite(noise)):
+            raise InputError(f"noise {noise}: give 0 or a positive number")
+        best, fit, visible = self._most_probable(columns, noise, noise_prior)
+        found = Hyperparameters(best, fit.amplitude, fit.noise, self.smoothness)
+        reconstruction = self.given(values, found)
+        unknown = len(columns) < FEWEST_SAMPLES or visible < LEAST_VISIBLE
+        return replace(
+            reconstruction,
+            log_marginal_likelihood=fit.log_likelihood,
+            knows_nothing=unknown or not float(np.ptp(columns, axis=0).max()) > 0,
+        )
+
+    def given(self, values: Floats, hyperparameters: Hyperparameters) -> Reconstruction:
+        """The map under hyper-parameters that are already known."""
+        self._checked(values)
+        posterior = self.posterior(hyperparameters)
+        return Reconstruction(self.chamber, posterior, read_only(values, float), hyperparameters)
+
+    def posterior(self, hyperparameters: Hyperparameters) -> Posterior:
+        """What these sites leave unknown of any map: needs no values."""
+        variances = hyperparameters.amplitude**2 * self._unit_variances(
+            hyperparameters.length, hyperparameters.smoothness
+        )
+        noise = np.square(hyperparameters.noise * self.noise_shape)
+        return Posterior.of(self.at_samples, variances, noise)
+
+    def _most_probable(
+        self, values: Floats, noise: float | None, noise_prior: NoisePrior | None
+    ) -> tuple[float, Fit, float]:
+        def at(spectrum: SampleSpectrum) -> Fit:
+            belief = _belief(values, spectrum, noise, noise_prior)
+            fit = spectrum.fit(values, belief)
+            off = math.log(spectrum.length / (LENGTH_SHARE * self.diameter)) / LENGTH_SPREAD
+            return replace(fit, objective=fit.objective + off**2 / 2)
+
+        lengths = self.lengths
+        fits = [at(self._spectrum(length)) for length in lengths]
+        objectives = [fit.objective for fit in fits]
+        best = int(np.argmin(objectives))
+        length, fit = lengths[best], fits[best]
+        spectrum = self._spectrum(length)
+        if 0 < best < len(lengths) - 1:
+            shift = _parabola_minimum(objectives[best - 1 : best + 2])
+            between = self._decomposed(length * 2 ** (shift / _LENGTHS_PER_OCTAVE))
+            refined = at(between)
+            if refined.objective < fit.objective:
+                return between.length, refined, between.visible
+        return length, fit, spectrum.visible
+
+    def _spectrum(self, length: float) -> SampleSpectrum:
+        if length not in self._spectra:
+            self._spectra[length] = self._decomposed(length)
+        return self._spectra[length]
+
+    def _decomposed(self, length: float) -> SampleSpectrum:
+        variances = self._unit_variances(length, self.smoothness)
+        return SampleSpectrum.of(self.at_samples, variances, self.noise_shape, length=length)
+
+    def _unit_variances(self, length: float, smoothness: float) -> PerMode:
+        # Over all modes there are: what those beyond n_modes hold is no part of the map.
+        variances = matern_variances(self.chamber.basis, length=length, smoothness=smoothness)
+        return variances[: self.n_modes]
+
+    def _checked(self, values: Floats) -> Floats:
+        if values.ndim not in (1, 2) or len(values) != len(self.sites):
+            raise InputError(
+                f"values of shape {values.shape} for {len(self.sites)} sites: give one, or one "
+                "row, a site"
+            )
+        if not np.isfinite(values).all():
+            raise InputError("a value is NaN or infinite: leave that sample out")
+        return values.reshape(len(values), -1)
+
+
+def reconstruct(
+    placed: PlacedSamples,
+    chamber: Chamber,
+    *,
+    noise_prior: NoisePrior | None = None,
+    smoothness: float = 1.5,
+    n_modes: int | None = None,
+) -> Reconstruction:
+    """The map of samples on a chamber: `GaussianProcess` and its `fit` in one step.
+
+    Where the samples come with their noise, that is the centre of the prior on it and says how
+    they compare: what is off beside (position, detail too fine for the samples) may add to it,
+    and `Reconstruction.std_with_detail` takes the stated noise out again. Without, a place
+    measured m times counts as √m times as sure as one measured once.
+    """
+    if noise_prior is None and placed.noise is not None:
+        noise_prior = NoisePrior(float(np.median(placed.noise)))
+    process = GaussianProcess(
+        chamber,
+        placed.sites,
+        noise_shape=placed.noise_shape,
+        smoothness=smoothness,
+        n_modes=n_modes,
+    )
+    return process.fit(placed.values, noise_prior=noise_prior)
+
+
+def default_modes(chamber: Chamber, n_samples: int) -> int:
+    """Harmonics worth using for so many samples: min(n/4, max(300, 2N)), of what there are."""
+    wanted = min(chamber.mesh.n_vertices // 4, max(300, 2 * n_samples))
+    return min(wanted, chamber.basis.n_modes)
+
+
+def _belief(
+    values: Floats,
+    spectrum: SampleSpectrum,
+    noise: float | None,
+    noise_prior: NoisePrior | None,
+) -> Belief:
+    """Priors on amplitude and noise; see `GaussianProcess.fit`."""
+    deviation = _deviation(values, spectrum.noise_shape)
+    magnitude = math.sqrt(np.square(values).mean(axis=1).max()) or noise or 1.0
+    largest = max(magnitude, deviation)
+    amplitude = largest
+    if len(values) >= FEWEST_SAMPLES and deviation > 0:
+        amplitude = min(deviation / math.sqrt(max(spectrum.visible, 1e-12)), largest)
+    if noise is not None:
+        return Belief(amplitude, max(noise, _SMALLEST_NOISE * amplitude), 0.0)
+    prior = noise_prior or NoisePrior(NOISE_SHARE * (deviation or amplitude))
+    # The prior is on the noise of a typical sample, the fit on the root mean square.
+    return Belief(amplitude, prior.median / float(np.median(spectrum.noise_shape)), prior.spread)
+
+
+def _deviation(values: Floats, noise_shape: Floats) -> float:
+    """Standard deviation of the samples, those of less noise counting more."""
+    if len(values) < 2:
+        return 0.0
+    weights = noise_shape**-2.0
+    mean = weights @ values / weights.sum()
+    squares = weights @ np.square(values - mean) / weights.sum()
+    return math.sqrt(squares.mean() * len(values) / (len(values) - 1))
+
+
+def _checked_shape(noise_shape: Floats | None, n_samples: int) -> Floats:
+    """Noise of each sample relative to the root mean square, shape (N,)."""
+    shape = np.ones(n_samples) if noise_shape is None else np.asarray(noise_shape, dtype=float)
+    if shape.shape != (n_samples,) or not (np.isfinite(shape) & (shape > 0)).all():
+        raise InputError(f"noise of shape {shape.shape}: give one positive number a site")
+    relative: Floats = shape / math.sqrt(np.square(shape).mean())
+    return relative
+
+
+def _parabola_minimum(heights: list[float]) -> float:
+    """Where the parabola through heights at -1, 0, 1 is least, within ±1."""
+    left, middle, right = heights
+    curvature = left - 2 * middle + right
+    return float(np.clip(0.5 * (left - right) / curvature, -1, 1)) if curvature > 0 else 0.0

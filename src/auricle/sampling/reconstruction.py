@@ -1,0 +1,192 @@
+"""A reconstruction: the most probable map, its deviation everywhere, and how it checks out."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from auricle.arrays import Floats, Modes, PerMode, PerVertex
+from auricle.sampling.chamber import Chamber
+from auricle.sampling.posterior import Posterior
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """What is fitted before the map is.
+
+    Attributes
+    ----------
+    length
+        Correlation length of the Matérn prior, mm.
+    amplitude
+        Prior standard deviation of the map's varying part, in the map's unit.
+    noise
+        Standard deviation of a sample (root mean square over the samples), in the map's unit.
+    smoothness
+        ν of the Matérn prior.
+    """
+
+    length: float
+    amplitude: float
+    noise: float
+    smoothness: float = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """A map reconstructed from samples, under a Gaussian-process prior.
+
+    What no posterior can know is a feature that lies wholly between the samples: state it by the
+    covering radius of the sites beside every number here.
+
+    Attributes
+    ----------
+    chamber
+        Where the map lives.
+    posterior
+        Of its coefficients; its `operator` is the linear reconstruction.
+    values
+        The samples, shape (N,) or (N, c).
+    hyperparameters
+        As fitted or given.
+    log_marginal_likelihood
+        Of the samples, the constant integrated out; NaN if the hyper-parameters were given.
+    knows_nothing
+        Whether the samples (fewer than five, all equal, all in one place) say so little that
+        amplitude and length are guesses, and with them every number here.
+    """
+
+    chamber: Chamber
+    posterior: Posterior
+    values: Floats
+    hyperparameters: Hyperparameters
+    log_marginal_likelihood: float = math.nan
+    knows_nothing: bool = False
+
+    @property
+    def _modes(self) -> Modes:
+        return self.chamber.basis.modes[:, : self.posterior.at_samples.shape[1]]
+
+    @cached_property
+    def coefficient_mean(self) -> PerMode:
+        """Most probable coefficients, shape (k,) or (k, c)."""
+        # The middle is taken out first so that a large offset costs no digits.
+        middle = self.values.mean(axis=0)
+        mean: Floats = self.posterior.operator @ (self.values - middle)
+        mean[0] += middle / self._modes[0, 0]
+        return mean
+
+    @cached_property
+    def coefficient_variance(self) -> PerMode:
+        """Posterior variance of each coefficient, shape (k,)."""
+        return self.posterior.covariance.variances
+
+    @cached_property
+    def mean(self) -> Floats:
+        """The map, shape (n,) or (n, c)."""
+        values: Floats = self._modes @ self.coefficient_mean
+        return values
+
+    @cached_property
+    def variance(self) -> PerVertex:
+        """Posterior variance of the map, shape (n,); the same for every column."""
+        return self.posterior.covariance.seen_by(self._modes)
+
+    @property
+    def std(self) -> PerVertex:
+        """Posterior standard deviation of the map (not of a further sample), shape (n,)."""
+        deviation: PerVertex = np.sqrt(self.variance)
+        return deviation
+
+    def std_with_detail(self, *, noise: float = 0.0) -> PerVertex:
+        """Standard deviation if part of what was fitted as noise belongs to the map, shape (n,).
+
+        One sample a place cannot tell a sample's own noise from detail of the map too fine for
+        the samples. With the former known to be `noise`, the rest of the fitted variance is
+        detail, and a vertex may differ by it; with 0 all of it is. On a clinical map (OpenEP's
+        data set 2, 200 and 400 samples) `std` covered 84 to 92 % of the map as exported, this
+        93 to 96 %.
+        """
+        deviation: PerVertex = np.sqrt(self.variance + self._detail(noise))
+        return deviation
+
+    def predicted_nrmse_with_detail(self, *, noise: float = 0.0) -> float:
+        """`predicted_nrmse` if the fitted noise beyond `noise` is detail of the map."""
+        error, variation = self._expected_squares
+        detail = self._detail(noise)
+        return math.sqrt((error + detail) / (variation + detail))
+
+    def _detail(self, noise: float) -> float:
+        return max(self.hyperparameters.noise**2 - noise**2, 0.0)
+
+    @property
+    def predicted_nrmse(self) -> float:
+        """Expected error over the accessible area, relative to the map's expected deviation.
+
+        √(E‖error‖² / E‖map − its mean‖²), both given the samples.
+        """
+        error, variation = self._expected_squares
+        return math.sqrt(error / variation)
+
+    @cached_property
+    def _expected_squares(self) -> tuple[float, float]:
+        """Mean square error, and mean square deviation of the map from its mean, unit²."""
+        error = self.chamber.mean(self.variance)
+        columns = self.mean.reshape(len(self.mean), -1)
+        varying = float(
+            np.mean(
+                [self.chamber.rms(column - self.chamber.mean(column)) ** 2 for column in columns.T]
+            )
+        )
+        return error, varying + error - self._variance_of_mean()
+
+    @cached_property
+    def planned_nrmse(self) -> float:
+        """The same before any value is known: relative to the prior's deviation of maps."""
+        error = self.chamber.mean(self.variance)
+        return math.sqrt(error / prior_variation(self.chamber, self.posterior.prior_variances))
+
+    def _variance_of_mean(self) -> float:
+        """Posterior variance of the map's mean over the accessible area."""
+        weights = self.chamber.accessible_areas @ self._modes / self.chamber.accessible_area
+        return float(self.posterior.covariance.seen_by(weights[None, :])[0])
+
+    @cached_property
+    def leave_one_out(self) -> tuple[Floats, Floats]:
+        """Residual of each sample predicted from the others, and its expected deviation.
+
+        Shapes (N,) or (N, c), and (N,); see `Posterior.leave_one_out`.
+        """
+        return self.posterior.leave_one_out(self.values - self.values.mean(axis=0))
+
+    @property
+    def standardized_variance(self) -> float:
+        """Mean square of the leave-one-out residuals over their deviations.
+
+        About 1 if the reconstruction is as sure as it may be; above 1.5 it is too sure.
+        NaN with one sample.
+        """
+        residuals, deviations = self.leave_one_out
+        predictable = np.isfinite(deviations)
+        if not predictable.any():
+            return math.nan
+        columns = residuals.reshape(len(deviations), -1)[predictable]
+        return float(np.square(columns / deviations[predictable, None]).mean())
+
+    def draw(self, rng: np.random.Generator, count: int) -> Floats:
+        """Maps that agree with the samples as well as the truth may, shape (count, n).
+
+        Of the first column if there are several.
+        """
+        mean = self.coefficient_mean.reshape(len(self.coefficient_mean), -1)[:, :1]
+        maps: Floats = (self._modes @ (mean + self.posterior.draw(rng, count))).T
+        return maps
+
+
+def prior_variation(chamber: Chamber, prior_variances: PerMode) -> float:
+    """Expected mean square deviation of a prior map from its mean, over the accessible area."""
+    modes = chamber.basis.modes[:, : len(prior_variances)]
+    weights = chamber.accessible_areas / chamber.accessible_area
+    squares = weights @ (np.square(modes) @ prior_variances)
+    return float(squares - np.square(weights @ modes) @ prior_variances)
