@@ -14,7 +14,7 @@ def ball(x, radius):
 
 def dumb_bell(neck):
     """Balls of radius 14 and 10 at x = 16 and 48, a tube between."""
-    return ball(16, 14) | ball(48, 10) | ((AXIS <= neck) & (X > 16) & (X < 48))
+    return ball(16, 14) | ball(48, 10) | ((neck >= AXIS) & (X > 16) & (X < 48))
 
 
 @pytest.mark.parametrize("neck", [3, 5, 7])

@@ -85,7 +85,7 @@ def test_a_flipped_and_permuted_array_of_the_same_patient_gives_the_same_atrium(
 
 def test_a_seed_anywhere_in_the_atrium_leads_to_its_middle(patient):
     automatic = find_seed(patient.volume)
-    beside = given_seed(patient.volume, automatic.position + [8.0, 4.0, -3.0])
+    beside = given_seed(patient.volume, automatic.position + np.array([8.0, 4.0, -3.0]))
     np.testing.assert_allclose(beside.position, automatic.position)
     assert (beside.given, automatic.given) == (True, False)
     assert patient.truth.distance(automatic.position[None])[0] < -10.0
@@ -95,7 +95,7 @@ def test_a_seed_anywhere_in_the_atrium_leads_to_its_middle(patient):
 def test_a_region_of_interest_keeps_the_mask_inside(patient, found):
     low = found.mask.points_at(np.argwhere(found.mask.voxels)).min(axis=0)
     high = found.mask.points_at(np.argwhere(found.mask.voxels)).max(axis=0)
-    region = BoxRegion(low + 8.0, high + [9.0, 9.0, -12.0])
+    region = BoxRegion(low + 8.0, high + np.array([9.0, 9.0, -12.0]))
     inside = segment(patient.volume, replace(COARSE, region=region))
     points = inside.mask.points_at(np.argwhere(inside.mask.voxels))
     assert region.contains(points).all()
@@ -165,7 +165,7 @@ def test_options_out_of_range_are_refused(wrong):
         SegmentationOptions(**wrong)
 
 
-def test_a_mask_of_another_patient_would_not_pass(patient, found):
+def test_a_mask_of_another_patient_would_not_pass(found):
     other = phantom(PhantomOptions(preset="tiny", seed=2))
     carried = mask_on(Mask(found.mask.voxels, found.mask.affine), other.volume)
     assert dice(carried.voxels, other.mask.voxels) < 0.9

@@ -81,20 +81,34 @@ def mitral_plane(labels: NDArray[np.integer], *, step: float) -> MitralPlane | N
     return MitralPlane(centre, normal, float(np.percentile(aside, 98)) + _RIM_MM, deviation)
 
 
-def hinge_plane(labels: NDArray[np.integer], orifice: MitralPlane, *, step: float) -> MitralPlane:
+def hinge_plane(
+    labels: NDArray[np.integer], orifice: MitralPlane, *, middle: Points, step: float
+) -> MitralPlane:
     """The plane through the leaflets' hinges: the annulus, where the orifice is between their tips.
 
     Behind an open leaflet there is blood of the ventricle nearly up to its hinge. In each sector
     around the axis the ventricle's voxel furthest toward the atrium marks it, and the plane on
     which most of these lie is taken (all triples tried); the outflow tract, which reaches higher,
     is left out by that. The orifice itself comes back where too few sectors agree.
+
+    Parameters
+    ----------
+    labels
+        As `Chambers.labels`.
+    orifice
+        From `mitral_plane`; of it only the place counts, for its tilt is a small opening's.
+    middle
+        Of the atrium, shape (3,), mm; the axis runs from there to the orifice.
+    step
+        Spacing, mm; positions are index times step.
     """
-    plane = orifice
+    axis = (orifice.centre - middle) / np.linalg.norm(orifice.centre - middle)
+    plane = replace(orifice, normal=axis)
     for _ in range(2):
         hinges = _hinges(labels, plane, step)
         if len(hinges) < _LEAST_SECTORS:
             return orifice
-        agreeing, normal = _most_coplanar(hinges, orifice.normal)
+        agreeing, normal = _most_coplanar(hinges, axis)
         if agreeing.sum() < _LEAST_SECTORS:
             return orifice
         centre = hinges[agreeing].mean(axis=0)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from auricle.arrays import Floats, Points
-from auricle.imaging.chambers import TO_VENTRICLE
+from auricle.imaging.chambers import TO_VENTRICLE, TOWARD
 from auricle.imaging.necks import Basins, distance_basins
 from auricle.imaging.region_of_interest import RegionOfInterest
 from auricle.imaging.resampling import corners, resampled
@@ -22,6 +22,7 @@ BLOOD = (150.0, 1500.0)
 """HU of contrasted blood, widely."""
 LEAST_RADIUS_MM = 9.0
 _PROMINENCE_MM = 1.5
+_LEAST_HEART_MM = 15.0
 _LIKE_CONTRAST = 0.3
 _PARTNER_MM = (20.0, 80.0)
 _PARTNER_SHARE = 0.6
@@ -61,8 +62,9 @@ def find_seed(volume: Volume, *, region: RegionOfInterest | None = None) -> Seed
     Raises
     ------
     SegmentationError
-        ``orientation`` if the file does not say how the patient lies, ``no_contrast`` or
-        ``no_chamber`` if nothing bright holds a ball of 9 mm radius.
+        ``orientation`` if the file does not say how the patient lies; ``no_contrast`` if nothing
+        bright is as large as a chamber; ``no_chamber`` if none has a ventricle (asked only
+        without a region of interest).
     """
     if not volume.orientation_known:
         raise SegmentationError("orientation", "the file does not say how the patient lies")
@@ -72,10 +74,13 @@ def find_seed(volume: Volume, *, region: RegionOfInterest | None = None) -> Seed
         raise SegmentationError(
             "no_contrast", f"nothing above {BLOOD[0]:.0f} HU holds a ball of 9 mm radius"
         )
-    scores = _scores(places[large], basins.peaks[large], contrast[large])
+    ventricles = _ventricle_cosines(places[large], basins.peaks[large], contrast[large])
+    scores = _scores(places[large], basins.peaks[large], ventricles)
     order = np.argsort(-scores)
     margin = float(scores[order[0]] - scores[order[1]]) if len(order) > 1 else float("inf")
     best = large[order[0]]
+    if region is None and ventricles[order[0]] < TOWARD:
+        raise _no_chamber(float(basins.peaks.max()))
     return Seed(places[best], float(basins.peaks[best]), False, margin)
 
 
@@ -135,20 +140,34 @@ def _bright_basins(
     return basins, coarse.points_at(basins.centres), contrast
 
 
-def _scores(places: Points, radii: Floats, contrast: Floats) -> Floats:
-    """Points for each chamber as the left atrium, in mm."""
-    weights = radii**3
-    aside, back, up = (places - np.average(places, axis=0, weights=weights)).T
+def _no_chamber(largest: float) -> SegmentationError:
+    """The refusal where nothing bright lies before, left of and below the best candidate."""
+    if largest < _LEAST_HEART_MM:
+        cause = f"nothing bright is larger than a ball of {largest:.0f} mm radius, as bone is"
+        return SegmentationError("no_contrast", cause)
+    return SegmentationError(
+        "no_chamber", "no bright chamber has another where its ventricle should be"
+    )
+
+
+def _ventricle_cosines(places: Points, radii: Floats, contrast: Floats) -> Floats:
+    """How well a like chamber lies where the ventricle should: 1 is exactly, 0 not at all."""
     offset = places[None] - places[:, None]
     away = np.linalg.norm(offset, axis=2)
     toward = offset @ TO_VENTRICLE / np.maximum(away, 1.0)
     like = np.abs(contrast[None] / contrast[:, None] - 1.0) < _LIKE_CONTRAST
     partner = like & (away >= _PARTNER_MM[0]) & (away <= _PARTNER_MM[1])
     partner &= radii[None] >= _PARTNER_SHARE * radii[:, None]
-    ventricle = np.where(partner, toward, 0.0).max(axis=1)
+    cosines: Floats = np.where(partner, toward, 0.0).max(axis=1)
+    return cosines
+
+
+def _scores(places: Points, radii: Floats, ventricles: Floats) -> Floats:
+    """Points for each chamber as the left atrium, in mm."""
+    aside, back, up = (places - np.average(places, axis=0, weights=radii**3)).T
     scores: Floats = (
         np.minimum(radii, 20.0)
-        + 12.0 * ventricle
+        + 12.0 * ventricles
         + 0.3 * np.clip(back, -30.0, 30.0)
         - 0.5 * np.maximum(back - 35.0, 0.0)
         - 0.15 * np.abs(aside)

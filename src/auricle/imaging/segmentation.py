@@ -163,7 +163,7 @@ def segment(
     chambers = _chambers(region, home, volume, options)
     spread = spread_labels(chambers.labels, blood, reach=SPREAD_MM, step=options.step)
     progress("mitral", 4, 6)
-    labels, plane = _mitral_cut(spread, options.step)
+    labels, plane = _mitral_cut(spread, chambers, options.step)
     progress("veins", 5, 6)
     trimmed = trim_veins(
         _one_piece(labels == ATRIUM),
@@ -297,12 +297,13 @@ def _chambers(
 
 
 def _mitral_cut(
-    labels: NDArray[np.int8], step: float
+    labels: NDArray[np.int8], chambers: Chambers, step: float
 ) -> tuple[NDArray[np.int8], MitralPlane | None]:
     plane = mitral_plane(labels, step=step)
     if plane is None:
         return labels, None
-    annulus = hinge_plane(labels, plane, step=step)
+    middle = chambers.centre.astype(np.float64) * step
+    annulus = hinge_plane(labels, plane, middle=middle, step=step)
     return cut_at_mitral(labels, annulus, step=step), annulus
 
 
