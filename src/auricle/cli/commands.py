@@ -5,16 +5,19 @@ from types import MappingProxyType
 
 from auricle.cli.sampling_commands import plan, propose, reconstruct
 from auricle.cli.surface_commands import analyze, atrium, harmonics, simplify
+from auricle.cli.volume_commands import phantom, segment
 
 COMMANDS: Mapping[str, Callable[..., None]] = MappingProxyType(
     {
         "analyze": analyze,
+        "segment": segment,
         "plan": plan,
         "reconstruct": reconstruct,
         "next": propose,
         "harmonics": harmonics,
         "simplify": simplify,
         "atrium": atrium,
+        "phantom": phantom,
     }
 )
 """In the order of the help."""

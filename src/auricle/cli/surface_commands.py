@@ -3,6 +3,7 @@
 Everything heavy is imported when a command runs, so that help comes at once.
 """
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -16,10 +17,28 @@ from auricle.cli.options import (
     echo_notes,
     require_folder,
 )
+from auricle.cli.volume_options import (
+    AcceptOption,
+    LabelOption,
+    LabelsOption,
+    RegionOption,
+    SeedPointOption,
+    SeriesOption,
+    segmentation_config,
+)
+from auricle.cli.volume_steps import find_atrium, is_volume
 
 
 def analyze(
-    surface: SurfaceArgument,
+    surface: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SURFACE",
+            help="VTP, VTK, VTU, PLY, STL, OBJ, OFF or openCARP .pts/.elem, in mm; or a contrast "
+            "CT: DICOM folder, NIfTI, NRRD or MetaImage.",
+            show_default=False,
+        ),
+    ],
     output: FolderOption,
     field: Annotated[
         list[str] | None,
@@ -48,10 +67,18 @@ def analyze(
         ),
     ] = None,
     seed: SeedOption = 1,
+    seed_point: SeedPointOption = None,
+    roi: RegionOption = None,
+    series: SeriesOption = None,
+    labels: LabelsOption = None,
+    label: LabelOption = None,
+    accept_warnings: AcceptOption = False,
 ) -> None:
     """How many points the maps on a surface need: the whole analysis and its report.
 
-    Writes report.html, result.json, spectrum.csv, figures and timings.json into DIR.
+    Writes report.html, result.json, spectrum.csv, figures and timings.json into DIR. From a CT,
+    the left atrium is found first, as `auricle segment` does, into DIR/segmentation; the last
+    six options are for that.
 
     Example: `auricle analyze atrium.vtp -o result -k 500`
     """
@@ -63,17 +90,36 @@ def analyze(
 
     require_folder(output)
     defaults = AnalysisConfig()
-    with about(surface), progress_bars() as progress:
-        config = AnalysisConfig(
-            n_vertices=vertices,
-            n_modes=modes,
-            fields=tuple(field or ()),
-            focus_widths_mm=tuple(focus_width or defaults.focus_widths_mm),
-            focus_counts=tuple(focus_count or defaults.focus_counts),
-            seed=seed,
-        )
-        result = analyze_surface(surface, config, progress=progress)
-        written = write_report(result, output, progress=progress)
+    with progress_bars() as progress:
+        with about(surface):
+            config = AnalysisConfig(
+                n_vertices=vertices,
+                n_modes=modes,
+                fields=tuple(field or ()),
+                focus_widths_mm=tuple(focus_width or defaults.focus_widths_mm),
+                focus_counts=tuple(focus_count or defaults.focus_counts),
+                seed=seed,
+            )
+        scan = None
+        if is_volume(surface):
+            scan = find_atrium(
+                surface,
+                output / "segmentation",
+                segmentation_config(seed_point, roi, series, label),
+                labels=labels,
+                progress=progress,
+            )
+            scan.require_accepted(accept_warnings)
+            surface = scan.surface
+        with about(surface):
+            result = analyze_surface(surface, config, progress=progress)
+            written = write_report(
+                result,
+                output,
+                scan=None if scan is None else scan.case,
+                scan_figures={} if scan is None else scan.figures,
+                progress=progress,
+            )
     echo_notes(result.repairs, result.remarks)
     typer.echo(answer_sentence(result))
     typer.echo(str(written))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from auricle.arrays import Floats, Truths
+from auricle.arrays import Floats, Integers, Truths
 from auricle.imaging.chambers import TO_VENTRICLE, Chambers
 from auricle.imaging.mask import Mask
 from auricle.imaging.mitral import MitralPlane
@@ -28,7 +28,7 @@ def reasons_of(
     plane: MitralPlane | None,
     branches: tuple[Branch, ...],
 ) -> tuple[Reason, ...]:
-    """Every reason for doubt, those that stop first."""
+    """Every reason for doubt about an atrium that was found, those that stop first."""
     found = [
         *_of_seed(volume, seed),
         *_of_necks(mask, chambers),
@@ -37,6 +37,16 @@ def reasons_of(
         *_of_branches(branches),
     ]
     return tuple(sorted(found, key=lambda reason: not reason.stops))
+
+
+def reasons_of_mask(mask: Mask) -> tuple[Reason, ...]:
+    """Reasons for doubt about a mask someone else made: its size and its edges."""
+    found = _of_size(mask)
+    inside = np.argwhere(mask.voxels)
+    at_edge = ((inside < 1) | (inside > np.array(mask.shape) - 2)).any(axis=1)
+    if at_edge.any():
+        found.append(_truncated(mask, inside[at_edge]))
+    return tuple(found)
 
 
 def _of_seed(volume: Volume, seed: Seed) -> list[Reason]:
@@ -82,15 +92,22 @@ def _of_mitral(mask: Mask, plane: MitralPlane | None) -> list[Reason]:
 
 
 def _of_extent(volume: Volume, mask: Mask) -> list[Reason]:
-    found = []
-    if not PLAUSIBLE_ML[0] <= mask.volume_ml <= PLAUSIBLE_ML[1]:
-        found.append(Reason("volume_outside", f"the volume is {mask.volume_ml:.0f} ml"))
+    found = _of_size(mask)
     at_edge = _at_edge(volume, mask)
     if at_edge.any():
-        cause = f"the atrium reaches the edge of the image over {at_edge.sum()} voxels"
-        place = _place(mask.points_at(np.argwhere(mask.voxels)[at_edge]).mean(axis=0))
-        found.append(Reason("truncated", cause, position=place))
+        found.append(_truncated(mask, np.argwhere(mask.voxels)[at_edge]))
     return found
+
+
+def _of_size(mask: Mask) -> list[Reason]:
+    if PLAUSIBLE_ML[0] <= mask.volume_ml <= PLAUSIBLE_ML[1]:
+        return []
+    return [Reason("volume_outside", f"the volume is {mask.volume_ml:.0f} ml")]
+
+
+def _truncated(mask: Mask, at_edge: Integers) -> Reason:
+    cause = f"the atrium reaches the edge of the image over {len(at_edge)} voxels"
+    return Reason("truncated", cause, position=_place(mask.points_at(at_edge).mean(axis=0)))
 
 
 def _at_edge(volume: Volume, mask: Mask) -> Truths:
