@@ -1,6 +1,7 @@
 """How well the left atrium of a generated CT is found, against its analytic truth.
 
     python benchmarks/segmentation.py table OUT.csv            thirty phantoms, seeds and hardships
+    python benchmarks/segmentation.py document OUT.csv PAGE.md the table put into the page
     python benchmarks/segmentation.py clinical                 512×512×250: seconds, memory, errors
     python benchmarks/segmentation.py formats                  DICOM, NRRD, NIfTI: one surface
     python benchmarks/segmentation.py labels FILE N [FILE N …] surface volume of label maps
@@ -51,15 +52,22 @@ FIELDS = (
     "mean_mm", "bias_mm", "p95_mm", "ends_percent", "vertices", "seconds",
 )  # fmt: skip
 
+HEAD = (
+    "preset", "seed", "case", "verdict", "reasons", "truth, ml", "Dice", "volume, %",
+    "mean, mm", "bias, mm", "95 %, mm", "ends, %", "vertices", "s",
+)  # fmt: skip
+
 
 def main() -> None:
     """Run the part asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("table", "clinical", "formats", "labels"))
+    parser.add_argument("part", choices=("table", "document", "clinical", "formats", "labels"))
     parser.add_argument("arguments", nargs="*")
     given = parser.parse_args()
     if given.part == "table":
         _table(Path(given.arguments[0]))
+    elif given.part == "document":
+        _document(Path(given.arguments[0]), Path(given.arguments[1]))
     elif given.part == "labels":
         for path, label in zip(given.arguments[::2], given.arguments[1::2], strict=True):
             _label_map(Path(path), int(label))
@@ -79,6 +87,17 @@ def _table(place: Path) -> None:
     good = [row for row in rows if row["verdict"] == "ok" and row["dice"] >= 0.93]
     silent = [row for row in rows if row["verdict"] == "ok" and row["dice"] < 0.90]
     _say(f"{len(good)} of {len(rows)} ok with Dice 0.93; {len(silent)} silently under 0.90")
+
+
+def _document(place: Path, page: Path) -> None:
+    """Put the table where the page has one, after the line that begins with its head."""
+    with place.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    table = ["| " + " | ".join(HEAD) + " |", "|" + "---|" * len(HEAD)]
+    table += ["| " + " | ".join(row[name] or "–" for name in FIELDS) + " |" for row in rows]
+    before, _, rest = page.read_text(encoding="utf-8").partition(f"| {HEAD[0]} | {HEAD[1]} |")
+    after = rest.partition("\n\n")[2]
+    page.write_text(before + "\n".join(table) + "\n\n" + after, encoding="utf-8")
 
 
 def _say(line: str) -> None:

@@ -195,11 +195,11 @@ _KINDS = {"vein": "veins", "appendage": "appendage", "leak": "cut: no vein"}
 
 
 def _on_surface(mesh: Mesh, places: Floats) -> Floats:
-    """For each place a ring's worth of nearest vertices, so that one is seen from any side."""
-    away = np.linalg.norm(mesh.vertices[None] - places[:, None], axis=2)
-    ring = away < away.min(axis=1)[:, None] + 1.0
-    chosen: Floats = mesh.vertices[ring.any(axis=0)]
-    return chosen
+    """The vertex nearest to each place, shape (n, 3), mm."""
+    nearest: Floats = mesh.vertices[
+        [int(np.argmin(np.linalg.norm(mesh.vertices - place, axis=1))) for place in places]
+    ]
+    return nearest
 
 
 def histogram_figure(case: SegmentedCase) -> Figure:
