@@ -4,7 +4,7 @@
     python benchmarks/segmentation.py document OUT.csv PAGE.md the table put into the page
     python benchmarks/segmentation.py clinical                 512×512×250: seconds, memory, errors
     python benchmarks/segmentation.py formats                  DICOM, NRRD, NIfTI: one surface
-    python benchmarks/segmentation.py labels FILE N [FILE N …] surface volume of label maps
+    python benchmarks/segmentation.py labels FILE N[,N] …      surface volume of label maps
 
 Ends are vertices more than 1.5 mm off the true endocardium: nearly all lie where a vein or the
 mitral orifice was cut, which is a convention and no wall; their share is told.
@@ -70,7 +70,7 @@ def main() -> None:
         _document(Path(given.arguments[0]), Path(given.arguments[1]))
     elif given.part == "labels":
         for path, label in zip(given.arguments[::2], given.arguments[1::2], strict=True):
-            _label_map(Path(path), int(label))
+            _label_map(Path(path), [int(each) for each in label.split(",")])
     else:
         {"clinical": _clinical, "formats": _formats}[given.part]()
 
@@ -188,7 +188,7 @@ def _surfaces_by_format(patient: Phantom, folder: Path) -> Iterator[tuple[str, A
         yield name, endocardium(volume, segment(volume)).mesh
 
 
-def _label_map(path: Path, label: int) -> None:
+def _label_map(path: Path, label: list[int]) -> None:
     mask = label_mask(path, label)
     start = time.perf_counter()
     surface = endocardium_of_mask(mask)

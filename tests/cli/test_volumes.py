@@ -189,7 +189,7 @@ def test_a_label_map_is_meshed_alone_and_beside_its_scan(inside, scan, tmp_path)
     expected = pytest.approx(truth["mask_volume_ml"], rel=0.02)
     assert found.soundness.volume_mm3 / 1000 == expected
     beside = segment_file(
-        scan / "volume", SegmentationConfig(label=label), labels=scan / "labels.nrrd"
+        scan / "volume", SegmentationConfig(label=(label,)), labels=scan / "labels.nrrd"
     )
     assert beside.volume_ml == expected
     assert beside.labels_source.name == "labels.nrrd"

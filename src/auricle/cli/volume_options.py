@@ -41,10 +41,10 @@ LabelsOption = Annotated[
     ),
 ]
 LabelOption = Annotated[
-    int | None,
+    list[int] | None,
     typer.Option(
         metavar="N",
-        help="Number of the atrium in the label map; without --labels, in VOLUME itself.",
+        help="Number of the atrium in the label map; repeatable. Without --labels, in VOLUME.",
         show_default=False,
     ),
 ]
@@ -84,7 +84,7 @@ def region_of(text: str) -> tuple["Place", ...]:
 
 
 def segmentation_config(
-    seed_point: str | None, roi: str | None, series: int | None, label: int | None
+    seed_point: str | None, roi: str | None, series: int | None, label: list[int] | None
 ) -> "SegmentationConfig":
     """The parameters as the user wrote them."""
     from auricle.study.segmented import SegmentationConfig
@@ -93,5 +93,5 @@ def segmentation_config(
         seed_mm=None if seed_point is None else place_of(seed_point, "--seed-point"),
         region_mm=() if roi is None else region_of(roi),
         series=series,
-        label=label,
+        label=tuple(label or ()),
     )

@@ -209,7 +209,7 @@ def _parameters_table(case: SegmentedCase) -> Table:
         ("Seed", "found" if config.seed_mm is None else _place(config.seed_mm)),
         ("Region of interest", f"{region} mm" if region else "around the seed"),
         ("DICOM series", "the only one" if config.series is None else str(config.series)),
-        ("Label", "none" if config.label is None else str(config.label)),
+        ("Labels", ", ".join(map(str, config.label)) or "none"),
         ("Lower threshold", _given(config.lower_hu)),
         ("Upper threshold", _given(config.upper_hu)),
         ("Veins kept", f"{config.vein_stub_mm:g} mm"),

@@ -52,7 +52,7 @@ class SegmentationConfig:
     series
         Number of the series in a DICOM folder, from 1.
     label
-        Number of the atrium in a label map, where one is given.
+        Numbers of the atrium, or of its parts, in a label map, where one is given.
     lower_hu, upper_hu
         Thresholds, HU, in place of those from the histogram.
     vein_stub_mm
@@ -65,7 +65,7 @@ class SegmentationConfig:
     region_mm: tuple[Place, ...] = ()
     region_depth_mm: float = 60.0
     series: int | None = None
-    label: int | None = None
+    label: tuple[int, ...] = ()
     lower_hu: float | None = None
     upper_hu: float | None = None
     vein_stub_mm: float = 12.0
@@ -185,13 +185,13 @@ def segment_file(
         If a file cannot be read, or no closed surface comes out.
     """
     config = config or SegmentationConfig()
-    if labels is not None and config.label is None:
+    if labels is not None and not config.label:
         raise InputError("a label map without a label: give --label N")
     clock = Clock(progress)
-    if config.label is None:
+    if not config.label:
         found = _searched(path, config, clock)
     else:
-        found = _labelled(path, config.label, config, labels, clock)
+        found = _labelled(path, config, labels, clock)
     with clock.stage("slices"):
         slices = _slices(found.volume, found.mask)
         shown = mask_on(found.mask, slices)
@@ -237,12 +237,10 @@ def _searched(path: Path, config: SegmentationConfig, clock: Clock) -> _Found:
     return _Found(volume, found.mask, surface, found, found.reasons, volume.remarks)
 
 
-def _labelled(
-    path: Path, label: int, config: SegmentationConfig, labels: Path | None, clock: Clock
-) -> _Found:
+def _labelled(path: Path, config: SegmentationConfig, labels: Path | None, clock: Clock) -> _Found:
     """The surface of a mask someone made, with the same checks."""
     with clock.stage("read"):
-        mask = label_mask(labels or path, label, progress=clock.progress)
+        mask = label_mask(labels or path, config.label, progress=clock.progress)
         if labels is None:
             volume, remarks = _drawn(mask), mask.remarks
         else:

@@ -177,7 +177,7 @@ def _zone(segmentation: Segmentation) -> tuple[NDArray[np.float32], NDArray[np.f
 
 
 def _carried(values: NDArray[np.float32], lattice: Volume, target: Volume) -> NDArray[np.float32]:
-    """Values on one straight lattice, interpolated on another."""
+    """Values on one straight lattice, interpolated on another; −1 mm, outside, beyond its edge."""
     ratio = target.spacing / lattice.spacing
     carried: NDArray[np.float32] = affine_transform(
         values,
@@ -185,7 +185,7 @@ def _carried(values: NDArray[np.float32], lattice: Volume, target: Volume) -> ND
         offset=lattice.index_of(target.origin),
         output_shape=target.shape,
         order=1,
-        mode="nearest",
+        cval=-1.0,
         prefilter=False,
     )
     return carried
