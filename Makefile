@@ -15,9 +15,9 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e . --group dev
 	@touch $(READY)
 
-demo: $(READY) ## set up, then go from a generated atrium to the report in demo/
-	$(BIN)/auricle atrium -o demo/atrium.vtp --seed 1
-	$(BIN)/auricle analyze demo/atrium.vtp -o demo/report
+demo: $(READY) ## set up, then go from a generated CT to the report in demo/
+	$(BIN)/auricle phantom -o demo/scan --preset small --seed 1
+	$(BIN)/auricle analyze demo/scan/volume.nrrd -o demo/report
 	@echo "Open demo/report/report.html"
 
 test: $(READY) ## set up, then run the tests

@@ -5,7 +5,8 @@
     AuricleError            one line for the user: cause: what to do
     ├── InputError          the file or the value handed in is at fault   (exit code 3)
     │   ├── FormatError     the bytes are not what the format promises
-    │   └── SurfaceError    the surface cannot carry the computation
+    │   ├── SurfaceError    the surface cannot carry the computation
+    │   └── ImageError      the volume or the mask cannot carry the computation
     ├── BandError           more modes are needed than are at hand        (exit code 3)
     ├── OutputError         the result cannot be written                  (exit code 1)
     └── SolverError         the computation could not certify its result  (exit code 1)
@@ -30,6 +31,10 @@ class FormatError(InputError):
 
 class SurfaceError(InputError):
     """A surface is not fit for the computation asked for."""
+
+
+class ImageError(InputError):
+    """A volume or a mask is not fit for the computation asked for."""
 
 
 class BandError(InputError):

@@ -6,10 +6,12 @@ from types import MappingProxyType
 from auricle.cli.map_commands import import_export
 from auricle.cli.sampling_commands import plan, propose, reconstruct
 from auricle.cli.surface_commands import analyze, atrium, harmonics, simplify
+from auricle.cli.volume_commands import phantom, segment
 
 COMMANDS: Mapping[str, Callable[..., None]] = MappingProxyType(
     {
         "analyze": analyze,
+        "segment": segment,
         "import": import_export,
         "plan": plan,
         "reconstruct": reconstruct,
@@ -17,6 +19,7 @@ COMMANDS: Mapping[str, Callable[..., None]] = MappingProxyType(
         "harmonics": harmonics,
         "simplify": simplify,
         "atrium": atrium,
+        "phantom": phantom,
     }
 )
 """In the order of the help."""

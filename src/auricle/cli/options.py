@@ -39,7 +39,8 @@ def about(path: Path, *others: Path | None) -> Iterator[None]:
         named = (message.startswith(f"{each}: ") for each in (path, *others) if each is not None)
         if isinstance(fault, OutputError) or any(named):
             raise
-        raise type(fault)(f"{path}: {message}") from fault
+        fault.args = (f"{path}: {message}",)
+        raise
 
 
 def require_folder(place: Path) -> None:

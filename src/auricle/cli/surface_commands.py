@@ -18,8 +18,19 @@ from auricle.cli.options import (
     echo_notes,
     require_folder,
 )
+from auricle.cli.volume_options import (
+    AcceptOption,
+    LabelOption,
+    LabelsOption,
+    RegionOption,
+    SeedPointOption,
+    SeriesOption,
+    segmentation_config,
+)
+from auricle.cli.volume_steps import FoundAtrium, find_atrium, is_volume
 
 if TYPE_CHECKING:
+    from auricle.progress import Progress
     from auricle.study.config import AnalysisConfig
     from auricle.surface.soundness import Soundness
 
@@ -28,9 +39,10 @@ def analyze(
     surface: Annotated[
         Path,
         typer.Argument(
-            metavar="SURFACE|EXPORT",
-            help="A surface (VTP, VTK, VTU, PLY, STL, OBJ, OFF, openCARP) with its fields, or an "
-            "export with mapping points (CARTO or EnSite folder or zip, OpenEP .mat, CSV).",
+            metavar="SURFACE|CT|EXPORT",
+            help="A surface (VTP, VTK, VTU, PLY, STL, OBJ, OFF, openCARP) with its fields; a "
+            "contrast CT (DICOM folder, NIfTI, NRRD, MetaImage); or an export with mapping points "
+            "(CARTO or EnSite folder or zip, OpenEP .mat, CSV).",
             show_default=False,
         ),
     ],
@@ -93,11 +105,18 @@ def analyze(
     ] = 10.0,
     column: ColumnOption = None,
     seed: SeedOption = 1,
+    seed_point: SeedPointOption = None,
+    roi: RegionOption = None,
+    series: SeriesOption = None,
+    labels: LabelsOption = None,
+    label: LabelOption = None,
+    accept_warnings: AcceptOption = False,
 ) -> None:
     """What a map needs or has: the whole analysis of a surface or of an export, and its report.
 
-    Of a surface: how many points the maps on it need. Of a mapping system's export: what its
-    points say of each map, how sure that is, where they are too few and which were redundant.
+    Of a surface: how many points the maps on it need. Of a CT: the same, the left atrium found
+    first, as `auricle segment` does, into DIR/segmentation. Of a mapping system's export: what
+    its points say of each map, how sure that is, where they are too few and which were redundant.
     Writes report.html, result.json, figures and tables into DIR.
 
     Example: `auricle analyze atrium.vtp -o result -k 500`
@@ -122,6 +141,7 @@ def analyze(
             )
         analyze_maps(surface, output, maps, column=column or [])
         return
+    from auricle.cli.progress import progress_bars
     from auricle.study.config import AnalysisConfig
 
     defaults = AnalysisConfig()
@@ -134,21 +154,46 @@ def analyze(
             focus_counts=tuple(focus_count or defaults.focus_counts),
             seed=seed,
         )
-    _analyze_surface(surface, output, config)
+    with progress_bars() as progress:
+        scan = None
+        if is_volume(surface):
+            scan = find_atrium(
+                surface,
+                output / "segmentation",
+                segmentation_config(seed_point, roi, series, label),
+                labels=labels,
+                progress=progress,
+            )
+            scan.require_accepted(accept_warnings)
+        answer = _analyzed(surface, output, config, scan=scan, progress=progress)
+    typer.echo(answer)
 
 
-def _analyze_surface(surface: Path, output: Path, config: "AnalysisConfig") -> None:
-    from auricle.cli.progress import progress_bars
+def _analyzed(
+    path: Path,
+    output: Path,
+    config: "AnalysisConfig",
+    *,
+    scan: FoundAtrium | None,
+    progress: "Progress",
+) -> str:
+    """Analyse a surface, write its report; returns the answer and where it is."""
     from auricle.report.answer import answer_sentence
     from auricle.report.bundle import write_report
     from auricle.study.case import analyze_surface
 
-    with about(surface), progress_bars() as progress:
+    surface = path if scan is None else scan.surface
+    with about(surface):
         result = analyze_surface(surface, config, progress=progress)
-        written = write_report(result, output, progress=progress)
+        written = write_report(
+            result,
+            output,
+            scan=None if scan is None else scan.case,
+            scan_figures={} if scan is None else scan.figures,
+            progress=progress,
+        )
     echo_notes(result.repairs, result.remarks)
-    typer.echo(answer_sentence(result))
-    typer.echo(str(written))
+    return f"{answer_sentence(result)}\n{written}"
 
 
 def harmonics(

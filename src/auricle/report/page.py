@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Any
 
 from auricle.report.answer import answer_sentence, focal_advice, measured_advice
 from auricle.report.html import Caption, captioned, rendered
@@ -73,7 +74,12 @@ CAPTIONS: Mapping[str, Caption] = MappingProxyType(
 """Captions of the figures, in the order of the page."""
 
 
-def report_page(result: CaseResult, figures: Mapping[str, bytes]) -> str:
+def report_page(
+    result: CaseResult,
+    figures: Mapping[str, bytes],
+    *,
+    scan: Mapping[str, Any] | None = None,
+) -> str:
     """The report as one HTML page: styles and figures inside, no script, no network.
 
     Names from the file are escaped. The same result and figures give the same text.
@@ -85,10 +91,13 @@ def report_page(result: CaseResult, figures: Mapping[str, bytes]) -> str:
     figures
         Content of the figures by file name (`.svg`, `.png`), as `figure_files` has them; those
         that are missing are left out, those without an entry in `CAPTIONS` come last.
+    scan
+        What to tell of the CT the surface was found in, as `segmentation_context` has it.
     """
     maps, foci = measured_advice(result), focal_advice(result)
     context = {
         "result": result,
+        "scan": scan,
         "source_name": printable(result.source.name),
         "answer": answer_sentence(result),
         "cards": (*maps, *foci),

@@ -25,8 +25,8 @@ _MARGIN = 10.0
 """mm around a part beyond which it cannot touch the surface: more than any blend's reach."""
 _SWEEP_STEP = 0.7
 """mm between the spheres that make a tube: the scallops between them stay below 0.02 mm."""
-_ANNULUS_BLEND, _AORTA_BLEND, _VEIN_BLEND, _LOBE_BLEND, _CUT_BLEND = 6.0, 10.0, 9.0, 4.0, 2.5
-_AORTA_RADIUS = 14.0
+_ANNULUS_BLEND, _AORTA_BLEND, VEIN_BLEND, LOBE_BLEND, _CUT_BLEND = 6.0, 10.0, 9.0, 4.0, 2.5
+AORTA_RADIUS = 14.0
 
 
 def atrium(shape: AtriumShape, *, spacing: float = 0.8) -> Mesh:
@@ -86,15 +86,15 @@ def _axes(shape: AtriumShape, spacing: float) -> Coordinates:
 
 def _distance(shape: AtriumShape, axes: Coordinates) -> Floats:
     """Distance to the atrium at the grid's nodes, mm, negative inside; exact in no place."""
-    distance = _body_distance(shape, _grid(axes))
+    distance = body_distance(shape, _grid(axes))
     for vein in shape.veins:
-        _unite(distance, axes, vein, blend=_VEIN_BLEND, is_cut=True)
+        _unite(distance, axes, vein, blend=VEIN_BLEND, is_cut=True)
     for lobe in (shape.appendage, *shape.lobes):
-        _unite(distance, axes, lobe, blend=_LOBE_BLEND, is_cut=False)
+        _unite(distance, axes, lobe, blend=LOBE_BLEND, is_cut=False)
     return distance
 
 
-def _body_distance(shape: AtriumShape, at: Coordinates) -> Floats:
+def body_distance(shape: AtriumShape, at: Coordinates) -> Floats:
     """Bumpy ellipsoid, flattened at the mitral annulus and dented by the root of the aorta."""
     semi_axes = np.asarray(shape.semi_axes)
     body = ellipsoid_distance(at, semi_axes)
@@ -106,8 +106,8 @@ def _body_distance(shape: AtriumShape, at: Coordinates) -> Floats:
     normal = np.asarray(shape.annulus_normal)
     annulus = half_space_distance(at, shape.annulus_depth * normal, normal)
     body = smooth_maximum(body, annulus, blend=_ANNULUS_BLEND)
-    aorta = semi_axes * (-0.15, -0.9, 0.35) - (0.0, _AORTA_RADIUS, 0.0)
-    return smooth_maximum(body, -sphere_distance(at, aorta, _AORTA_RADIUS), blend=_AORTA_BLEND)
+    aorta = semi_axes * (-0.15, -0.9, 0.35) - (0.0, AORTA_RADIUS, 0.0)
+    return smooth_maximum(body, -sphere_distance(at, aorta, AORTA_RADIUS), blend=_AORTA_BLEND)
 
 
 def _unite(distance: Floats, axes: Coordinates, tube: Tube, *, blend: float, is_cut: bool) -> None:
@@ -122,7 +122,7 @@ def _unite(distance: Floats, axes: Coordinates, tube: Tube, *, blend: float, is_
 
 
 def _tube_distance(at: Coordinates, tube: Tube, *, is_cut: bool) -> Floats:
-    fractions = _fractions(tube)
+    fractions = tube_fractions(tube)
     swept = swept_distance(at, tube.centre_line(fractions), tube.radius(fractions))
     if not is_cut:
         return swept
@@ -131,7 +131,7 @@ def _tube_distance(at: Coordinates, tube: Tube, *, is_cut: bool) -> Floats:
     return smooth_maximum(swept, half_space_distance(at, tip, normal), blend=_CUT_BLEND)
 
 
-def _fractions(tube: Tube) -> Floats:
+def tube_fractions(tube: Tube) -> Floats:
     """Where the spheres of a tube sit: from half a radius upstream of the ostium to the tip."""
     upstream = -0.5 * tube.radii[0] / tube.length
     bent = tube.length + float(np.linalg.norm(tube.bend))
@@ -140,7 +140,7 @@ def _fractions(tube: Tube) -> Floats:
 
 def _box(tube: Tube) -> tuple[Points, Points]:
     """Lowest and highest coordinates of a tube, mm."""
-    line, radius = tube.centre_line(_fractions(tube)), max(tube.radii)
+    line, radius = tube.centre_line(tube_fractions(tube)), max(tube.radii)
     return line.min(axis=0) - radius, line.max(axis=0) + radius
 
 

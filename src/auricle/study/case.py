@@ -1,10 +1,8 @@
 """The main job on one surface: from a file to how many points its maps need."""
 
 import itertools
-import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +12,7 @@ from auricle.errors import InputError
 from auricle.progress import Progress, silent
 from auricle.simulation.foci import focal_map, gaussian_modes_for_power, random_foci
 from auricle.spectral.harmonics import Harmonics, manifold_harmonics
+from auricle.study.clock import Clock
 from auricle.study.config import AnalysisConfig
 from auricle.study.fields import chosen_fields
 from auricle.study.provenance import source_of, versions
@@ -35,22 +34,6 @@ GEOMETRY_COUNTS = (5, 10, 20, 50, 100, 150, 250, 350, 500, 700, 1000, 1500, 2000
 
 PICTURED_COUNTS = (50, 250, 500)
 """Numbers of harmonics whose surface is shown, as in the paper's Figure 3."""
-
-
-@dataclass
-class _Clock:
-    """Wall time by stage, and where the work stands among the stages."""
-
-    progress: Progress
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        self.progress(name, 0, 1)
-        start = time.perf_counter()
-        yield
-        self.seconds[name] = round(time.perf_counter() - start, 3)
-        self.progress(name, 1, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +70,7 @@ def analyze_surface(
         If the harmonics miss their certificate.
     """
     config = config or AnalysisConfig()
-    clock = _Clock(progress)
+    clock = Clock(progress)
     with clock.stage("read and clean"):
         source = source_of(path) if path.is_file() else None
         soup = read_surface(path)

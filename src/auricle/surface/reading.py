@@ -8,6 +8,7 @@ from typing import BinaryIO
 import numpy as np
 
 from auricle.errors import FormatError
+from auricle.foreign import printable
 from auricle.surface.formats.header import UNKNOWN_SPACE, Header, within_limits
 from auricle.surface.formats.isolation import parse_isolated
 from auricle.surface.formats.legacy_vtk import legacy_vtk_header
@@ -71,10 +72,10 @@ def read_surface(path: Path) -> TriangleSoup:
         return _in_lps(_checked(_read(path)))
     except OSError as fault:
         reason = fault.strerror or str(fault)
-        shown = _printable(str(path))
+        shown = printable(str(path))
         raise FormatError(f"{shown}: cannot be read ({reason}): check the place") from fault
     except FormatError as fault:
-        raise FormatError(f"{_printable(str(path))}: {_printable(str(fault))}") from fault
+        raise FormatError(f"{printable(str(path))}: {printable(str(fault))}") from fault
 
 
 def _read(path: Path) -> TriangleSoup:
@@ -126,9 +127,7 @@ def _in_lps(soup: TriangleSoup) -> TriangleSoup:
     if space in ("LPS", UNKNOWN_SPACE.upper()):
         return replace(soup, space="LPS" if space == "LPS" else UNKNOWN_SPACE)
     if space != "RAS":
-        remark = (
-            f"SPACE={_printable(soup.space)[:20]} is neither LPS nor RAS: axes taken as unknown"
-        )
+        remark = f"SPACE={printable(soup.space)[:20]} is neither LPS nor RAS: axes taken as unknown"
         return replace(soup, space=UNKNOWN_SPACE, remarks=(*soup.remarks, remark))
     remark = "positions turned from RAS into LPS axes (x and y negated)"
     rows = [name for name, values in soup.point_fields.items() if values.ndim > 1]
@@ -139,11 +138,4 @@ def _in_lps(soup: TriangleSoup) -> TriangleSoup:
         vertices=soup.vertices * np.array([-1.0, -1.0, 1.0]),
         space="LPS",
         remarks=(*soup.remarks, remark),
-    )
-
-
-def _printable(text: str) -> str:
-    """Keep the text of one line: what cannot be printed is escaped."""
-    return "".join(
-        letter if letter.isprintable() else ascii(letter).strip("'\"") for letter in text
     )

@@ -21,8 +21,8 @@ from auricle.electroanatomy.formats.positions import require_positions
 from auricle.electroanatomy.points import UNITS, MappingPoints
 from auricle.electroanatomy.study import ElectroanatomicMap, ElectroanatomicStudy
 from auricle.errors import FormatError
+from auricle.isolation import run_child
 from auricle.surface.formats.header import damaged, within_limits
-from auricle.surface.formats.isolation import run_child
 from auricle.surface.soup import TriangleSoup
 
 SYSTEM = "OpenEP"

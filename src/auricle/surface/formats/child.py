@@ -6,10 +6,10 @@ and the last line on standard error the cause, where the file is at fault.
 
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from auricle.errors import FormatError
+from auricle.isolation import limit_memory
 from auricle.surface.formats.soup_archive import save_soup
 from auricle.surface.soup import TriangleSoup
 
@@ -21,7 +21,7 @@ def main(arguments: Sequence[str]) -> int:
     """Parse one file and write its soup; the exit code."""
     kind, source, target = arguments
     path = Path(source)
-    _limit_memory(4 * _GIBIBYTE + _BYTES_PER_BYTE * path.stat().st_size)
+    limit_memory(4 * _GIBIBYTE + _BYTES_PER_BYTE * path.stat().st_size)
     try:
         soup, cells = _parser(kind)(path, kind)
     except FormatError as fault:
@@ -40,19 +40,6 @@ def _parser(kind: str) -> Callable[[Path, str], tuple[TriangleSoup, int]]:
     from auricle.surface.formats.trimesh_parsing import parse_with_trimesh
 
     return parse_with_trimesh
-
-
-def _limit_memory(most: int) -> None:
-    """Cap the address space where the system can, and leave no core files."""
-    try:
-        import resource
-    except ImportError:  # Windows has no such limits
-        return
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    if hard == resource.RLIM_INFINITY or hard > most:
-        with suppress(ValueError):  # macOS refuses this limit; the time limit remains
-            resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
 if __name__ == "__main__":

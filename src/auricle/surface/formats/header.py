@@ -7,6 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from auricle.errors import FormatError
+from auricle.foreign import count_of as count_of
+from auricle.foreign import damaged as damaged
+from auricle.foreign import require_bytes as require_bytes
+from auricle.foreign import shown as shown
+from auricle.foreign import text_of
 
 MOST_BYTES = 2 * 1024**3
 MOST_VERTICES = 20_000_000
@@ -57,44 +62,6 @@ class Header:
                 raise FormatError(f"announces {count:,} {what}, the limit is {most:,}: simplify it")
 
 
-def damaged(cause: str) -> FormatError:
-    """Name the fault of a file that does not keep its promise, and what helps."""
-    return FormatError(f"{cause}: the file is damaged or cut short; export it again")
-
-
-def count_of(word: bytes | str, what: str) -> int:
-    """Read the whole number a header gives for `what`.
-
-    Raises
-    ------
-    FormatError
-        If it is not a plain decimal number that could count anything.
-
-    Examples
-    --------
-    >>> count_of(b"12", "vertices")
-    12
-    """
-    text = word.decode("ascii", "replace") if isinstance(word, bytes) else word
-    if re.fullmatch(r"[0-9]{1,15}", text.strip()) is None:
-        raise damaged(f"announces {shown(text)} as its number of {what}")
-    return int(text)
-
-
-def require_bytes(what: str, *, needed: int, left: int) -> None:
-    """Refuse counts that the rest of the file cannot hold.
-
-    Raises
-    ------
-    FormatError
-        If `needed` bytes are more than the `left` ones.
-    """
-    if needed > left:
-        raise damaged(
-            f"announces {what}, so {needed:,} bytes or more, with {max(left, 0):,} bytes left"
-        )
-
-
 def within_limits(path: Path, name: str = "it") -> int:
     """Size in bytes of a file, called `name` in the message if that is nothing or too much.
 
@@ -119,7 +86,7 @@ def space_in(comment: bytes | str) -> str:
     >>> space_in("3D Slicer output. SPACE=LPS")
     'LPS'
     """
-    found = _SPACE.search(_text(comment))
+    found = _SPACE.search(text_of(comment))
     return found[1].upper() if found else UNKNOWN_SPACE
 
 
@@ -131,21 +98,5 @@ def unit_in(comment: bytes | str) -> dict[str, str]:
     >>> unit_in("UNITS=local_activation_time=ms")
     {'local_activation_time': 'ms'}
     """
-    found = _UNIT.search(_text(comment))
+    found = _UNIT.search(text_of(comment))
     return {found[1]: found[2]} if found else {}
-
-
-def shown(words: bytes | str, *, longest: int = 48) -> str:
-    r"""Foreign text made fit for a one-line message: short, quoted, printable.
-
-    Examples
-    --------
-    >>> print(shown(b"caf\xe9\n"))
-    'caf\xe9'
-    """
-    quoted = ascii(_text(words[:longest]).strip()).replace("\\\\", "\\")
-    return quoted if len(quoted) <= longest else f"{quoted[:longest]}…{quoted[0]}"
-
-
-def _text(words: bytes | str) -> str:
-    return words.decode("utf-8", "backslashreplace") if isinstance(words, bytes) else words

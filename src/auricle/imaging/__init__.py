@@ -1,0 +1,1 @@
+"""Volumes of CT and masks in them: files, geometry, segmentation."""

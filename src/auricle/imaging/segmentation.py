@@ -1,0 +1,358 @@
+"""Segmentation: from a contrast CT to the blood of the left atrium, with a verdict."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, binary_fill_holes
+
+from auricle.arrays import Integers, Points, Truths
+from auricle.errors import InputError
+from auricle.imaging.chambers import ATRIUM, OTHER, VENTRICLE, Chambers, chambers_of
+from auricle.imaging.diffusion import perona_malik
+from auricle.imaging.findings import reasons_of
+from auricle.imaging.growing import grown_region, pieces_by_size, spread_labels
+from auricle.imaging.mask import Mask
+from auricle.imaging.mitral import MitralPlane, cut_at_mitral, hinge_plane, mitral_plane
+from auricle.imaging.necks import distance_basins
+from auricle.imaging.region_of_interest import RegionOfInterest
+from auricle.imaging.resampling import corners, resampled
+from auricle.imaging.seed import Seed, find_seed, given_seed
+from auricle.imaging.thresholds import Thresholds, region_thresholds
+from auricle.imaging.veins import Branch, Trimmed, trim_veins
+from auricle.imaging.verdict import Reason, SegmentationError, Verdict, verdict_of
+from auricle.imaging.volume import Volume
+from auricle.progress import Progress, silent
+
+BOX_MM = (150.0, 120.0, 130.0)
+"""Size of the region looked at around the seed where none is given: left, back, head."""
+SEED_BALL_MM = 6.0
+SPREAD_MM = 2.0
+"""How far the chambers told apart at the higher threshold reach at the lower one."""
+_LEAST_BRIGHT_ML = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentationOptions:
+    """How to segment; every default is for a contrast CT of an adult heart.
+
+    Attributes
+    ----------
+    seed
+        A place in the left atrium, (3,), mm, LPS; None finds one.
+    region
+        Where to look; None takes a box about the seed.
+    lower, upper
+        Thresholds in HU that replace those from the histogram.
+    step
+        Spacing of the lattice the segmentation is found on, mm.
+    contrast, iterations
+        Of the anisotropic diffusion: HU, and passes.
+    vein_stub
+        Length of vein kept from its ostium, mm.
+
+    Raises
+    ------
+    InputError
+        If a number is not positive and finite.
+    """
+
+    seed: Points | None = None
+    region: RegionOfInterest | None = None
+    lower: float | None = None
+    upper: float | None = None
+    step: float = 1.0
+    contrast: float = 40.0
+    iterations: int = 5
+    vein_stub: float = 12.0
+
+    def __post_init__(self) -> None:
+        if self.seed is not None:
+            place = np.asarray(self.seed, dtype=np.float64)
+            if place.shape != (3,) or not np.isfinite(place).all():
+                raise InputError("a seed is three finite coordinates: give x, y, z in mm, LPS")
+            object.__setattr__(self, "seed", place)
+        if not 0.3 <= self.step <= 3.0:
+            raise InputError(f"a lattice of {self.step} mm: give 0.3 to 3")
+        if not 0 <= self.vein_stub <= 100:
+            raise InputError(f"vein stubs of {self.vein_stub} mm: give 0 to 100")
+
+
+@dataclass(frozen=True, eq=False)
+class Segmentation:
+    """A left atrium found in a volume, and how far to trust it.
+
+    Attributes
+    ----------
+    mask
+        Body, appendage and vein stubs, on the lattice of `image`.
+    image
+        The filtered HU it was found in: a box with equal spacing along the axes of LPS.
+    labels
+        Territories on the same lattice: 0, ATRIUM, VENTRICLE, OTHER (`imaging.chambers`); the
+        veins cut off are OTHER.
+    thresholds
+        In HU.
+    seed
+        Where it started.
+    radius
+        Of the largest ball in the atrium, mm.
+    branches
+        Appendage and veins; positions in mm, LPS.
+    mitral
+        The plane to the ventricle, in mm, LPS; None if they are not joined.
+    reasons
+        What to know before trusting it.
+    measurements
+        Numbers for the report, units in their names.
+    """
+
+    mask: Mask
+    image: Volume
+    labels: NDArray[np.int8]
+    thresholds: Thresholds
+    seed: Seed
+    radius: float
+    branches: tuple[Branch, ...]
+    mitral: MitralPlane | None
+    reasons: tuple[Reason, ...]
+    measurements: Mapping[str, float]
+
+    @property
+    def verdict(self) -> Verdict:
+        """``ok`` or ``check``."""
+        return verdict_of(self.reasons)
+
+    @property
+    def volume_ml(self) -> float:
+        """Volume of the mask, ml."""
+        return self.mask.volume_ml
+
+
+def segment(
+    volume: Volume,
+    options: SegmentationOptions | None = None,
+    *,
+    progress: Progress = silent,
+) -> Segmentation:
+    """The left atrium of a contrast CT: body, appendage and vein stubs, cut at the mitral valve.
+
+    Seed, region of interest, anisotropic diffusion, thresholds from the region's histogram,
+    region growing, chambers parted at their necks, mitral plane, vein stubs.
+
+    Raises
+    ------
+    SegmentationError
+        If there is no left atrium to be found; its `code` and `remedy` say why and what to do.
+    """
+    options = options or SegmentationOptions()
+    _refuse_other_units(volume)
+    progress("seed", 0, 6)
+    seed = _seed(volume, options)
+    progress("filter", 1, 6)
+    image = _filtered_box(volume, seed, options)
+    allowed = _allowed(image, options)
+    progress("grow", 2, 6)
+    home = _home(image, seed)
+    thresholds = _thresholds(image, allowed, home, options)
+    blood = _blood(image, thresholds, allowed)
+    region = _pool(image, blood, home, thresholds, options)
+    progress("chambers", 3, 6)
+    chambers = _chambers(region, home, volume, options)
+    spread = spread_labels(chambers.labels, blood, reach=SPREAD_MM, step=options.step)
+    progress("mitral", 4, 6)
+    labels, plane = _mitral_cut(spread, chambers, options.step)
+    progress("veins", 5, 6)
+    trimmed = trim_veins(
+        _one_piece(labels == ATRIUM),
+        labels == VENTRICLE,
+        radius=chambers.radius,
+        step=options.step,
+        stub=options.vein_stub,
+        oriented=volume.orientation_known,
+    )
+    progress("veins", 6, 6)
+    return _result(volume, image, thresholds, seed, (chambers, labels, plane, trimmed))
+
+
+def _refuse_other_units(volume: Volume) -> None:
+    """Refuse what cannot be HU: no air below −200, or nothing but air."""
+    sample = volume.voxels[::4, ::4, ::4]
+    low, high = np.percentile(sample, [0.5, 99.9])
+    if low > -200.0 and float(sample.min()) > -200.0:
+        raise SegmentationError("not_hu", f"values from {low:.0f} to {high:.0f} hold no air")
+    if high < 0.0 or high > 20_000.0:
+        raise SegmentationError(
+            "not_hu", f"values from {low:.0f} to {high:.0f} are no CT of a chest"
+        )
+
+
+def _seed(volume: Volume, options: SegmentationOptions) -> Seed:
+    if options.seed is None:
+        return find_seed(volume, region=options.region)
+    return given_seed(volume, options.seed, region=options.region)
+
+
+def _filtered_box(volume: Volume, seed: Seed, options: SegmentationOptions) -> Volume:
+    """The region looked at, filtered, on a lattice of its own."""
+    if options.region is None:
+        low, high = seed.position - np.array(BOX_MM) / 2, seed.position + np.array(BOX_MM) / 2
+    else:
+        low, high = (np.asarray(corner) for corner in options.region.bounds)
+        low, high = low - 2 * options.step, high + 2 * options.step
+    low = np.maximum(low, corners(volume).min(axis=0))
+    high = np.minimum(high, corners(volume).max(axis=0))
+    box = resampled(volume, low=low, high=high, step=options.step)
+    values = perona_malik(box.voxels, contrast=options.contrast, iterations=options.iterations)
+    values.flags.writeable = False
+    return replace(box, voxels=values)
+
+
+def _allowed(image: Volume, options: SegmentationOptions) -> Truths:
+    """Voxels of the region of interest."""
+    if options.region is None:
+        return np.ones(image.shape, dtype=bool)
+    nodes = image.points_at(np.indices(image.shape).reshape(3, -1).T)
+    return options.region.contains(nodes).reshape(image.shape)
+
+
+def _home(image: Volume, seed: Seed) -> Integers:
+    index = np.round(image.index_of(seed.position)).astype(np.int64)
+    home: Integers = np.clip(index, 0, np.array(image.shape) - 1)
+    return home
+
+
+def _ball(shape: tuple[int, ...], centre: Integers, radius: float) -> tuple[slice, ...]:
+    """The cube about a ball, inside the lattice."""
+    low = np.maximum(centre - int(radius), 0)
+    high = np.minimum(centre + int(radius) + 1, shape)
+    return tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+
+
+def _thresholds(
+    image: Volume, allowed: Truths, home: Integers, options: SegmentationOptions
+) -> Thresholds:
+    place = _ball(image.shape, home, SEED_BALL_MM / options.step)
+    found = region_thresholds(image.voxels[allowed], image.voxels[place])
+    if options.upper is not None:
+        found = replace(found, upper=options.upper)
+    if options.lower is not None:
+        growing = max(options.lower, options.lower + 0.3 * (found.blood - options.lower))
+        found = replace(found, lower=options.lower, growing=growing)
+    if not found.lower < found.blood <= found.upper:
+        raise SegmentationError(
+            "seed_not_in_blood",
+            f"the seed's {found.blood:.0f} HU are not between the thresholds "
+            f"{found.lower:.0f} and {found.upper:.0f} HU",
+        )
+    return found
+
+
+def _blood(image: Volume, thresholds: Thresholds, allowed: Truths) -> Truths:
+    """Voxels of the atrium's kind: no brighter structure, nor the blurred rim of one."""
+    values = image.voxels
+    voxel_ml = image.voxel_volume / 1000
+    bright, _ = pieces_by_size(
+        values > thresholds.upper, smallest=max(int(_LEAST_BRIGHT_ML / voxel_ml), 1)
+    )
+    rim = binary_dilation(bright > 0)
+    blood: Truths = (values >= thresholds.lower) & (values <= thresholds.upper) & ~rim & allowed
+    return blood
+
+
+def _pool(
+    image: Volume,
+    blood: Truths,
+    home: Integers,
+    thresholds: Thresholds,
+    options: SegmentationOptions,
+) -> Truths:
+    """The blood joined to the seed at the growing threshold, without holes."""
+    values = np.where(blood, image.voxels, -np.inf)
+    place = _ball(image.shape, home, SEED_BALL_MM / options.step)
+    near = np.argwhere(values[place] >= thresholds.growing)
+    if not len(near):
+        raise SegmentationError("seed_not_in_blood", "no voxel near the seed is within thresholds")
+    near += [part.start for part in place]
+    start = near[np.argmin(np.linalg.norm(near - home, axis=1))]
+    x, y, z = start.tolist()
+    region = grown_region(values, (x, y, z), lower=thresholds.growing)
+    filled: Truths = binary_fill_holes(region)
+    return filled
+
+
+def _chambers(
+    region: Truths, home: Integers, volume: Volume, options: SegmentationOptions
+) -> Chambers:
+    basins = distance_basins(region, step=options.step)
+    away = np.linalg.norm(basins.centres - home, axis=1) * options.step
+    return chambers_of(
+        basins,
+        int(np.argmin(away - basins.peaks)),
+        step=options.step,
+        oriented=volume.orientation_known,
+    )
+
+
+def _mitral_cut(
+    labels: NDArray[np.int8], chambers: Chambers, step: float
+) -> tuple[NDArray[np.int8], MitralPlane | None]:
+    plane = mitral_plane(labels, step=step)
+    if plane is None:
+        return labels, None
+    middle = chambers.centre.astype(np.float64) * step
+    annulus = hinge_plane(labels, plane, middle=middle, step=step)
+    return cut_at_mitral(labels, annulus, step=step), annulus
+
+
+def _one_piece(region: Truths) -> Truths:
+    """The largest piece, its holes filled."""
+    pieces, sizes = pieces_by_size(region)
+    if not len(sizes):
+        raise SegmentationError("no_chamber", "nothing is left of the atrium after the cuts")
+    filled: Truths = binary_fill_holes(pieces == 1)
+    return filled
+
+
+def _result(
+    volume: Volume,
+    image: Volume,
+    thresholds: Thresholds,
+    seed: Seed,
+    parts: tuple[Chambers, NDArray[np.int8], MitralPlane | None, Trimmed],
+) -> Segmentation:
+    chambers, labels, plane, trimmed = parts
+    territories = np.where(labels == ATRIUM, OTHER, labels)
+    territories[trimmed.atrium] = ATRIUM
+    atrium = _one_piece(trimmed.atrium)
+    territories.flags.writeable = atrium.flags.writeable = False
+    mask = Mask(atrium, image.affine, remarks=volume.remarks)
+    branches = tuple(
+        replace(branch, ostium=branch.ostium + image.origin) for branch in trimmed.branches
+    )
+    if plane is not None:
+        plane = replace(plane, centre=plane.centre + image.origin)
+    return Segmentation(
+        mask=mask,
+        image=image,
+        labels=territories,
+        thresholds=thresholds,
+        seed=seed,
+        radius=chambers.radius,
+        branches=branches,
+        mitral=plane,
+        reasons=reasons_of(volume, mask, seed, chambers, plane, branches),
+        measurements=MappingProxyType(
+            {
+                "volume_ml": mask.volume_ml,
+                "radius_mm": chambers.radius,
+                "mitral_opening_radius_mm": chambers.mitral_radius,
+                "mitral_opening_share": chambers.mitral_share,
+                "leak_radius_mm": chambers.leak_radius,
+                "n_veins": sum(branch.kind == "vein" for branch in branches),
+                "seed_margin": seed.margin,
+            }
+        ),
+    )
