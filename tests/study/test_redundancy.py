@@ -98,3 +98,16 @@ def test_detail_too_fine_for_any_number_of_samples_stays_in_the_error(ball, plac
         rel=1e-9,
     )
     assert detailed.n_redundant >= bare.n_redundant
+
+
+def test_of_two_samples_in_one_place_only_one_goes_at_a_time(ball) -> None:
+    """Each twin is needless as long as the other is there; without both the place is lost."""
+    first = np.random.default_rng(6).choice(ball.mesh.n_vertices, 150, replace=False)
+    sites = Sites(
+        np.repeat(Sites.at_vertices(first).corners, 2, axis=0),
+        np.repeat(Sites.at_vertices(first).weights, 2, axis=0),
+    )
+    values = sites.of(ball.mesh.vertices[:, 0])
+    less = redundancy(GaussianProcess(ball, sites).given(values, HYPER), ball.accessible_areas)
+    at_once = less.removed[: int(less.counts[0] - less.counts[1])] // 2
+    assert len(set(at_once.tolist())) == len(at_once) == 3
