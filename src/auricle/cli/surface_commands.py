@@ -124,7 +124,7 @@ def analyze(
     from auricle.study.exports import is_export
 
     require_folder(output)
-    if is_export(surface):
+    if is_export(surface) and not is_volume(surface):
         from auricle.study.map_study import MapStudyConfig
 
         with about(surface):

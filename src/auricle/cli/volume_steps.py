@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ from auricle.errors import InputError
 if TYPE_CHECKING:
     from auricle.progress import Progress
     from auricle.study.segmented import SegmentationConfig, SegmentedCase
+
+_FILES_LOOKED_AT = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +79,19 @@ def find_atrium(
 
 
 def is_volume(path: Path) -> bool:
-    """Whether a path is read as a CT: a folder, an image file, DICOM with or without a suffix."""
+    """Whether a path is read as a CT: an image file, DICOM, or a folder that holds some."""
     from auricle.imaging.image_files import is_image_file
 
-    return path.is_dir() or is_image_file(path) or path.suffix.lower() in ("", ".dcm")
+    if path.is_dir():
+        return any(_is_dicom(each) for each in islice(path.rglob("*"), _FILES_LOOKED_AT))
+    return is_image_file(path) or path.suffix.lower() in ("", ".dcm")
+
+
+def _is_dicom(path: Path) -> bool:
+    if path.suffix.lower() == ".dcm":
+        return True
+    try:
+        with path.open("rb") as file:
+            return file.read(132)[128:] == b"DICM"
+    except OSError:
+        return False
