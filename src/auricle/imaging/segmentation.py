@@ -43,7 +43,8 @@ class SegmentationOptions:
     seed
         A place in the left atrium, (3,), mm, LPS; None finds one.
     region
-        Where to look; None takes a box about the seed.
+        What the atrium lies in: thresholds come from its histogram, and nothing outside it is
+        kept. Chambers are told apart in a box about the seed all the same.
     lower, upper
         Thresholds in HU that replace those from the histogram.
     step
@@ -157,7 +158,7 @@ def segment(
     progress("grow", 2, 6)
     home = _home(image, seed)
     thresholds = _thresholds(image, allowed, home, options)
-    blood = _blood(image, thresholds, allowed)
+    blood = _blood(image, thresholds)
     region = _pool(image, blood, home, thresholds, options)
     progress("chambers", 3, 6)
     chambers = _chambers(region, home, volume, options)
@@ -173,6 +174,7 @@ def segment(
         stub=options.vein_stub,
         oriented=volume.orientation_known,
     )
+    trimmed = _within(trimmed, allowed, image, options.region)
     progress("veins", 6, 6)
     return _result(volume, image, thresholds, seed, (chambers, labels, plane, trimmed))
 
@@ -196,12 +198,14 @@ def _seed(volume: Volume, options: SegmentationOptions) -> Seed:
 
 
 def _filtered_box(volume: Volume, seed: Seed, options: SegmentationOptions) -> Volume:
-    """The region looked at, filtered, on a lattice of its own."""
-    if options.region is None:
-        low, high = seed.position - np.array(BOX_MM) / 2, seed.position + np.array(BOX_MM) / 2
-    else:
-        low, high = (np.asarray(corner) for corner in options.region.bounds)
-        low, high = low - 2 * options.step, high + 2 * options.step
+    """The region looked at, filtered, on a lattice of its own.
+
+    It is never less than the box about the seed: a chamber is told from its neighbours by these.
+    """
+    low, high = seed.position - np.array(BOX_MM) / 2, seed.position + np.array(BOX_MM) / 2
+    if options.region is not None:
+        first, last = options.region.bounds
+        low, high = np.minimum(low, first), np.maximum(high, last)
     low = np.maximum(low, corners(volume).min(axis=0))
     high = np.minimum(high, corners(volume).max(axis=0))
     box = resampled(volume, low=low, high=high, step=options.step)
@@ -250,7 +254,7 @@ def _thresholds(
     return found
 
 
-def _blood(image: Volume, thresholds: Thresholds, allowed: Truths) -> Truths:
+def _blood(image: Volume, thresholds: Thresholds) -> Truths:
     """Voxels of the atrium's kind: no brighter structure, nor the blurred rim of one."""
     values = image.voxels
     voxel_ml = image.voxel_volume / 1000
@@ -258,7 +262,7 @@ def _blood(image: Volume, thresholds: Thresholds, allowed: Truths) -> Truths:
         values > thresholds.upper, smallest=max(int(_LEAST_BRIGHT_ML / voxel_ml), 1)
     )
     rim = binary_dilation(bright > 0)
-    blood: Truths = (values >= thresholds.lower) & (values <= thresholds.upper) & ~rim & allowed
+    blood: Truths = (values >= thresholds.lower) & (values <= thresholds.upper) & ~rim
     return blood
 
 
@@ -314,6 +318,20 @@ def _one_piece(region: Truths) -> Truths:
         raise SegmentationError("no_chamber", "nothing is left of the atrium after the cuts")
     filled: Truths = binary_fill_holes(pieces == 1)
     return filled
+
+
+def _within(
+    trimmed: Trimmed, allowed: Truths, image: Volume, region: RegionOfInterest | None
+) -> Trimmed:
+    """The atrium inside the region of interest, with the branches that leave it there."""
+    if region is None:
+        return trimmed
+    kept = tuple(
+        branch
+        for branch in trimmed.branches
+        if region.contains((branch.ostium + image.origin)[None])[0]
+    )
+    return replace(trimmed, atrium=trimmed.atrium & allowed, branches=kept)
 
 
 def _result(
