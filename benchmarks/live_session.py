@@ -26,7 +26,7 @@ from auricle.sampling.gaussian_process import GaussianProcess
 from auricle.sampling.live import Session
 from auricle.sampling.next_point import next_point
 from auricle.sampling.random_design import random_sampling
-from auricle.sampling.running_posterior import RunningPosterior, accessible_gram
+from auricle.sampling.running_posterior import RunningPosterior
 from auricle.sampling.sites import Sites
 from auricle.simulation.anatomy import AtriumShape
 from auricle.simulation.atrium import atrium
@@ -87,7 +87,7 @@ def refitted(session: Session) -> tuple[PerVertex, PerVertex, int, float]:
     """Map, deviation, next vertex and its worth from all samples at once."""
     process = GaussianProcess(session.chamber, session.sites, n_modes=session.n_modes)
     whole = process.given(session.values, session.hyperparameters)
-    gram = accessible_gram(session.chamber, session.n_modes)
+    gram = session.chamber.accessible_gram[: session.n_modes, : session.n_modes]
     running = RunningPosterior.of(session.chamber, gram, whole.posterior, session.values)
     following = next_point(running, session.hyperparameters.noise**2)
     return whole.mean, whole.std, following.vertex, following.expected_drop

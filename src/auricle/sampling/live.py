@@ -12,7 +12,7 @@ from auricle.sampling.locator import Locator
 from auricle.sampling.matern import matern_variances
 from auricle.sampling.next_point import NextPoint, Travel, next_point, next_points
 from auricle.sampling.reconstruction import Hyperparameters
-from auricle.sampling.running_posterior import RunningPosterior, accessible_gram
+from auricle.sampling.running_posterior import RunningPosterior
 from auricle.sampling.sites import Sites
 
 MOST_MODES = 500
@@ -68,7 +68,7 @@ class Session:
         self._hyperparameters = hyperparameters
         self._refits_itself = hyperparameters is None
         self._noise, self._noise_prior = noise, noise_prior
-        self._gram = accessible_gram(chamber, self.n_modes)
+        self._gram = chamber.accessible_gram[: self.n_modes, : self.n_modes]
         self._locator = Locator(chamber.mesh)
         self._sites: list[Sites] = []
         self._values: list[float] = []

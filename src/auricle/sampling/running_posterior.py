@@ -47,7 +47,7 @@ class RunningPosterior:
     chamber
         Where the map lives.
     gram
-        G, shape (k, k), mm²; from `accessible_gram`.
+        G, shape (k, k), mm²; from `Chamber.accessible_gram`.
     coefficients
         Their mean, shape (k,).
     covariance
@@ -153,13 +153,6 @@ class RunningPosterior:
     def predicted_nrmse(self) -> float:
         """√(`mean_square_error` / `variation`)."""
         return math.sqrt(self.mean_square_error / self.variation)
-
-
-def accessible_gram(chamber: Chamber, n_modes: int) -> Floats:
-    """Inner products of the leading modes over the accessible area, shape (k, k)."""
-    modes = chamber.basis.modes[:, :n_modes]
-    gram: Floats = modes.T @ (chamber.accessible_areas[:, None] * modes)
-    return gram
 
 
 def _quadratic(modes: Modes, matrix: Floats) -> PerVertex:

@@ -7,7 +7,6 @@ cause, where the file is at fault.
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from auricle.electroanatomy.formats.openep_layout import ALTERNATIVES, NUMBERS, ROOT
 from auricle.errors import FormatError
+from auricle.isolation import limit_memory
 from auricle.surface.formats.header import damaged
 
 _GIBIBYTE = 1024**3
@@ -30,7 +30,7 @@ Lookup = Callable[[str], NDArray[Any] | None]
 def main(arguments: Sequence[str]) -> int:
     """Parse one file and write its numbers; the exit code."""
     source, target = map(Path, arguments)
-    _limit_memory(4 * _GIBIBYTE + 20 * source.stat().st_size)
+    limit_memory(4 * _GIBIBYTE + 20 * source.stat().st_size)
     try:
         arrays = dict(_arrays(source))
     except FormatError as fault:
@@ -117,19 +117,6 @@ def _require_own(found: Any, size: int) -> None:
         raise FormatError("keeps numbers in other files: do not use it")
     if found.nbytes > min(_MOST_ARRAY_BYTES, _FREE + _MOST_EXPANSION * size):
         raise damaged(f"announces an array of {found.nbytes:,} bytes")
-
-
-def _limit_memory(most: int) -> None:
-    """Cap the address space where the system can, and leave no core files."""
-    try:
-        import resource
-    except ImportError:  # Windows has no such limits
-        return
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    if hard == resource.RLIM_INFINITY or hard > most:
-        with suppress(ValueError):  # macOS refuses this limit; the time limit remains
-            resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
 if __name__ == "__main__":
