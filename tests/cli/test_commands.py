@@ -47,6 +47,13 @@ def test_an_unknown_option_is_a_usage_error(auricle) -> None:
     assert auricle("analyze", "--no-such-option").returncode == 2
 
 
+def test_options_for_a_ct_are_not_ignored_with_a_surface(auricle, surface, tmp_path) -> None:
+    done = auricle("analyze", surface, "-o", tmp_path / "out", "--roi", "0,0,0:9,9,9")
+    assert done.returncode == 2
+    assert "is no CT" in " ".join(done.stderr.split())
+    assert not (tmp_path / "out").exists()
+
+
 def test_harmonics_of_a_sphere(auricle, tmp_path) -> None:
     sphere = icosphere(radius=30.0, subdivisions=3)
     write_surface(tmp_path / "sphere.ply", sphere)

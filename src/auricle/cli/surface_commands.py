@@ -124,6 +124,8 @@ def analyze(
     from auricle.study.exports import is_export
 
     require_folder(output)
+    if not is_volume(surface) and any((seed_point, roi, series, labels, label, accept_warnings)):
+        raise typer.BadParameter(f"{surface} is no CT: leave out the options of its segmentation")
     if is_export(surface) and not is_volume(surface):
         from auricle.study.map_study import MapStudyConfig
 
