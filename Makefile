@@ -21,12 +21,12 @@ demo: $(READY) ## set up, then go from a generated CT to the report in demo/
 	@echo "Open demo/report/report.html"
 
 test: $(READY) ## set up, then run the tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 check: lint types layers test ## everything CI runs
 
 check-all: lint types layers ## the same with the slow tests
-	$(BIN)/python -m pytest -m "slow or not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow"
 
 lint: $(READY) ## style, by ruff
 	$(BIN)/ruff format --check .
