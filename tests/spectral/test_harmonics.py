@@ -209,3 +209,14 @@ def test_all_modes_but_one_are_certified() -> None:
     found = manifold_harmonics(icosphere(radius=RADIUS, subdivisions=2), 161)
     assert found.n_modes in (161, 162)
     assert found.certificate.eigenvalues_below_gap == found.n_modes
+
+
+@pytest.mark.parametrize("n_modes", range(299, 306))
+def test_a_cluster_at_the_very_end_of_what_was_found_is_certified(n_modes) -> None:
+    """Three equal pieces have every eigenvalue three times; the last search ends within one."""
+    ball = icosphere(radius=30.0, subdivisions=3)
+    bumpy = Mesh(ball.vertices * (1 + 0.1 * np.sin(ball.vertices / 9.0)), ball.faces)
+    three = joined([Mesh(bumpy.vertices + 200.0 * i, bumpy.faces) for i in range(3)])
+    found = manifold_harmonics(three, n_modes)
+    assert found.certificate.eigenvalues_below_gap == found.n_modes >= n_modes
+    assert found.n_modes % 3 == 0

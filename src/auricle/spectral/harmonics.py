@@ -219,7 +219,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
         require_memory(_DENSE_COPIES * 8 * n**2, f"{n_modes} harmonics of {n} vertices")
         workers.report("harmonics", 0, n_modes)
         values, vectors = workers.result(workers.submit(eigh, matrix.toarray(), driver="evd"))
-        pairs = LowestPairs(values, vectors.T, ())
+        pairs = LowestPairs(values, vectors.T, np.inf, ())
     else:
         method = "block Lanczos with spectrum slicing"
         pairs = lowest_eigenpairs(
@@ -232,7 +232,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
     rows = orthonormalized(pairs.vectors[:n_returned], workers)
     rows = corrected(matrix, rows, least=_least(pairs.values, scale), workers=workers)
-    found = LowestPairs(pairs.values, rows, pairs.retries)
+    found = LowestPairs(pairs.values, rows, pairs.complete_below, pairs.retries)
     return _certified(operator, matrix, found, n_asked=n_modes, method=method, workers=workers)
 
 
@@ -273,7 +273,10 @@ def _certified(
     n_zero = int((values < _CLUSTER_GAP * 4 * np.pi / operator.areas.sum()).sum())
     first = values[n_zero] if n_zero < n_modes else 4 * np.pi / operator.areas.sum()
     values = np.where(np.arange(n_modes) < n_zero, 0.0, values)
-    following = pairs.values[n_modes] if n_modes < len(pairs.values) else 2 * values[-1]
+    # All that was found may be asked for: then the next eigenvalue is only known to lie beyond
+    # the height up to which none is missing.
+    further = pairs.values[n_modes:]
+    following = further[0] if len(further) else min(pairs.complete_below, 2 * values[-1])
     count = factorize(matrix, 0.5 * (float(values[-1]) + float(following)))
     certificate = Certificate(
         n_asked=n_asked,

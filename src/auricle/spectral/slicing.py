@@ -40,6 +40,9 @@ _AT_ONCE = 2
 _MARGIN = 4
 _TOLERANCE = 1e-11
 _AGREEMENT = 1e-8
+_TOO_NEAR, _AROUND = 0.03, 8
+"""Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them
+around it show the gap it moves to."""
 _RETRIES = 60
 _LIKELY_STEPS, _COPIES = 64, 4
 """For the estimate of memory: length of a long run, and copies of the result held at one time."""
@@ -95,12 +98,15 @@ class LowestPairs:
     values, vectors
         Eigenvalues, shape (c,), ascending, and nearly orthonormal eigenvectors, one a row, shape
         (c, n).
+    complete_below
+        No eigenvalue under this is missing; above the last of `values`.
     retries
         What had to be searched for again, one phrase each.
     """
 
     values: Floats
     vectors: Floats
+    complete_below: float
     retries: tuple[str, ...]
 
 
@@ -146,11 +152,12 @@ def lowest_eigenpairs(
         shifts = _next_shifts(matrix, symbolic, ladder, count=count, density=density)
         found, width = shifts[-1].n_below - ladder.n_certified, shifts[-1].shift - ladder.certified
         density = max(found, 1) / width
-        _climb(shifts, ladder, rng=rng, workers=workers)
+        move = partial(factorize, matrix, symbolic=symbolic)
+        _climb(shifts, ladder, move, rng=rng, workers=workers)
         workers.report("harmonics", min(ladder.n_certified, count), count)
     vectors = np.stack(ladder.vectors[: ladder.n_certified])
     values = ladder.values[: ladder.n_certified]
-    return LowestPairs(values, vectors, tuple(ladder.retries))
+    return LowestPairs(values, vectors, ladder.certified, tuple(ladder.retries))
 
 
 def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
@@ -207,19 +214,24 @@ def _next_shift(
 def _climb(
     shifts: Sequence[ShiftedFactorization],
     ladder: _Ladder,
+    move: Callable[[float], ShiftedFactorization],
     *,
     rng: np.random.Generator,
     workers: Workers,
 ) -> None:
-    """Put every eigenpair under the shifts on the ladder, and those found on the way above them."""
+    """Put every eigenpair under the shifts on the ladder, and those found on the way above them.
+
+    A shift that turns out too near an eigenvalue is moved: `move` factors at another.
+    """
     between = np.diff([ladder.n_certified, *(factors.n_below for factors in shifts)])
     runs = [
         workers.submit(
             _run,
             factors,
             own,
-            _reaches(ladder, factors, n_here, n_above, first=not i),
+            partial(_reaches, ladder, n_below=n_here, n_above=n_above, first=not i),
             workers.pause,
+            move,
         )
         for i, (factors, own, n_here, n_above) in enumerate(
             zip(shifts, rng.spawn(len(shifts)), between, [*between[1:], 0], strict=True)
@@ -240,16 +252,40 @@ def _climb(
 def _run(
     factors: ShiftedFactorization,
     rng: np.random.Generator,
-    enough: Callable[[Floats], bool],
+    criterion: Callable[[ShiftedFactorization], Callable[[Floats], bool]],
     pause: Callable[[], None],
+    move: Callable[[float], ShiftedFactorization],
 ) -> LanczosRun:
     nothing = np.empty((0, factors.size))
     effort = _effort(factors, _BLOCK, _STEPS)
-    return LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause).until(enough)
+    run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
+    better = _better_shift(run.until(criterion(factors)))
+    if better is None:
+        return run
+    moved = move(better)
+    again = LanczosRun(moved, nothing, effort=effort, rng=rng, pause=pause)
+    return again.until(criterion(moved))
+
+
+def _better_shift(run: LanczosRun) -> float | None:
+    """The middle of the widest gap nearby, if the shift lies next to an eigenvalue; else None.
+
+    Solves there are right to rounding of the nearest eigenvector's part, which swamps what
+    belongs to eigenvalues far from the shift.
+    """
+    distances = np.abs(run.values - run.factors.shift)
+    around = np.sort(run.values[np.argsort(distances)[:_AROUND]])
+    if len(around) < _AROUND:
+        return None
+    spacing = np.ptp(run.values) / len(run.values)
+    if distances.min() > _TOO_NEAR * spacing:
+        return None
+    widest = int(np.argmax(np.diff(around)))
+    return float(around[widest] + around[widest + 1]) / 2
 
 
 def _reaches(
-    ladder: _Ladder, factors: ShiftedFactorization, n_below: int, n_above: int, *, first: bool
+    ladder: _Ladder, factors: ShiftedFactorization, *, n_below: int, n_above: int, first: bool
 ) -> Callable[[Floats], bool]:
     """When a run has found what lies next to its shift: all below, or half of it each way.
 
