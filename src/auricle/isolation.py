@@ -14,13 +14,14 @@ from auricle.foreign import damaged, shown
 _TAIL_BYTES = 4096
 _LIBRARY_FAULT = 1
 _OUT_OF_MEMORY = ("MemoryError", "bad_alloc", "Unable to allocate")
-_ONE_THREAD = {
+ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
     "VTK_SMP_BACKEND_IN_USE": "Sequential",
     "ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1",
 }
+"""Environment in which a process and its libraries keep to one thread."""
 
 
 def run_child(command: Sequence[str], *, seconds: float) -> None:
@@ -35,7 +36,7 @@ def run_child(command: Sequence[str], *, seconds: float) -> None:
     """
     environment = {
         **os.environ,
-        **_ONE_THREAD,
+        **ONE_THREAD,
         "PYTHONPATH": os.pathsep.join(place for place in sys.path if place),
         "PYTHONIOENCODING": "utf-8",
     }
