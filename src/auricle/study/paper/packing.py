@@ -58,7 +58,9 @@ def unpacked(document: Mapping[str, Any]) -> Floats:
     except (KeyError, ValueError, TypeError) as fault:
         raise FormatError("a packed array is torn: run the case again") from fault
     # A step as 0.01 is not exact: dividing by 100 gives back the nearest decimal number.
-    inverse = 1.0 / document["step"]
-    if math.isclose(inverse, round(inverse)):
-        return values / round(inverse)
-    return values * document["step"]
+    step = float(document["step"])
+    inverse = round(1.0 / step)
+    scaled: Floats = (
+        values / inverse if inverse and math.isclose(1.0 / step, inverse) else values * step
+    )
+    return scaled

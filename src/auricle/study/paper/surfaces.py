@@ -1,0 +1,156 @@
+"""Surfaces kept for pictures: Figures 3 and 4 of one case, rounded and packed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from auricle.arrays import PerVertex
+from auricle.errors import FormatError
+from auricle.study.paper.features import Stage, rebuilt_maps
+from auricle.study.paper.foci import Foci
+from auricle.study.paper.packing import packed, unpacked
+from auricle.study.paper.parameters import PaperParameters
+from auricle.surface.collapse_sequence import CollapseSequence
+from auricle.surface.mesh import Mesh
+
+STEP_MM = 0.01
+STEP_OF_MAP = 0.005
+PICTURED_FOCI = 2
+"""Number of foci in the paper's Figure 4."""
+
+
+@dataclass(frozen=True, eq=False)
+class PicturedMap:
+    """One focal map and what harmonics make of it.
+
+    Attributes
+    ----------
+    size, sigma_mm, n_foci
+        Which.
+    values
+        On the real surface, shape (n,).
+    rebuilt
+        The same from the first harmonics, by their number.
+    """
+
+    size: str
+    sigma_mm: float
+    n_foci: int
+    values: PerVertex
+    rebuilt: Mapping[int, PerVertex]
+
+
+@dataclass(frozen=True, eq=False)
+class PicturedSurfaces:
+    """What the pictures of a case show, to a hundredth of a millimetre.
+
+    Attributes
+    ----------
+    original
+        The real surface, about its middle, mm.
+    mha, qslim
+        The same rebuilt from harmonics, and thinned out, by their number.
+    maps
+        Focal maps from small to wide.
+    """
+
+    original: Mesh
+    mha: Mapping[int, Mesh]
+    qslim: Mapping[int, Mesh]
+    maps: tuple[PicturedMap, ...]
+
+
+def kept_surfaces(
+    stage: Stage,
+    rebuilt: Mapping[int, Mesh],
+    sequence: CollapseSequence,
+    foci: Sequence[Foci],
+    parameters: PaperParameters,
+) -> dict[str, Any]:
+    """Surfaces and maps of a case as JSON holds them; empty if none are to be kept."""
+    if not parameters.surfaces_kept:
+        return {}
+    surface = stage.surface
+    centre = surface.vertices.mean(axis=0)
+    counts = [count for count in parameters.pictured_counts if count in rebuilt]
+    points = [
+        count
+        for count in parameters.pictured_counts
+        if sequence.n_least <= count < surface.n_vertices
+    ]
+    return {
+        "original": _mesh(surface, centre) | {"faces": packed(surface.faces.astype(np.float64))},
+        "mha": {f"{count}": _mesh(rebuilt[count], centre) for count in counts},
+        "qslim": {
+            f"{count}": _mesh(level, centre) | {"faces": packed(level.faces.astype(np.float64))}
+            for count in points
+            for level in [sequence.mesh_at(count)]
+        },
+        "maps": _maps(stage, foci[0], parameters),
+    }
+
+
+def pictured_surfaces(document: Mapping[str, Any]) -> PicturedSurfaces:
+    """The surfaces that `kept_surfaces` made a document of.
+
+    Raises
+    ------
+    FormatError
+        If none were kept, or the document is torn.
+    """
+    if not document:
+        raise FormatError("no surfaces were kept: run the case with surfaces_kept = true")
+    original = _unpacked_mesh(document["original"])
+    return PicturedSurfaces(
+        original=original,
+        mha={
+            int(count): Mesh(unpacked(each["vertices_mm"]), original.faces)
+            for count, each in document["mha"].items()
+        },
+        qslim={int(count): _unpacked_mesh(each) for count, each in document["qslim"].items()},
+        maps=tuple(
+            PicturedMap(
+                each["size"],
+                each["sigma_mm"],
+                each["n_foci"],
+                unpacked(each["values"]),
+                {int(count): unpacked(values) for count, values in each["rebuilt"].items()},
+            )
+            for each in document["maps"]
+        ),
+    )
+
+
+def _mesh(mesh: Mesh, centre: np.ndarray) -> dict[str, Any]:
+    return {"vertices_mm": packed(mesh.vertices - centre, step=STEP_MM)}
+
+
+def _unpacked_mesh(document: Mapping[str, Any]) -> Mesh:
+    return Mesh(unpacked(document["vertices_mm"]), unpacked(document["faces"]).astype(np.int64))
+
+
+def _maps(stage: Stage, foci: Foci, parameters: PaperParameters) -> list[dict[str, Any]]:
+    """Maps of the paper's Figure 4: as many foci as there, or the nearest number there is."""
+    if not parameters.focus_counts:
+        return []
+    n_foci = min(parameters.focus_counts, key=lambda count: abs(count - PICTURED_FOCI))
+    n = stage.surface.n_vertices
+    maps = np.column_stack([foci.map_of(n_foci, width) for width in parameters.focus_widths_mm])
+    rebuilt = rebuilt_maps(stage.basis, maps, parameters.pictured_counts)
+    return [
+        {
+            "size": size,
+            "sigma_mm": width,
+            "n_foci": n_foci,
+            "values": packed(maps[:n, column], step=STEP_OF_MAP),
+            "rebuilt": {
+                f"{count}": packed(values[:n, column], step=STEP_OF_MAP)
+                for count, values in rebuilt.items()
+            },
+        }
+        for column, (size, width) in enumerate(
+            zip(parameters.sizes, parameters.focus_widths_mm, strict=True)
+        )
+    ]
