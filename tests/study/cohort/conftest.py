@@ -27,7 +27,7 @@ class Document:
     timings: dict
 
 
-def digest(source, *, parameters, folder, progress=None):
+def digest(source, *, parameters):
     """A hash for a result, found by work that takes a while; "bad" and "deadly" inputs."""
     text = source.read_text()
     if text.startswith("bad"):

@@ -5,7 +5,6 @@
     cases/KEY.json       what was found: the same bytes for the same input, parameters and code
     timings/KEY.json     seconds by stage: of this run, of this machine
     failures/KEY.json    instead of both: why there is no result
-    files/KEY/           what else a case leaves: surfaces, pictures
 """
 
 import json
@@ -29,10 +28,6 @@ class CaseFiles:
     def place(self, key: str) -> Path:
         """Where the result of a case lies."""
         return self.folder / "cases" / f"{key}.json"
-
-    def beside(self, key: str) -> Path:
-        """Folder for what else a case leaves."""
-        return self.folder / "files" / key
 
     def is_finished(self, key: str) -> bool:
         """Whether the case has a result."""

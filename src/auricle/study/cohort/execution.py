@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 
 from auricle.errors import AuricleError
 from auricle.foreign import printable
-from auricle.progress import Progress, silent
 from auricle.study.cohort.case import Case
 from auricle.study.cohort.case_files import CaseFiles
 
@@ -30,10 +29,8 @@ class Document(Protocol):
 class CaseFunction(Protocol):
     """Computes one case; a module's function, so that another process can find it."""
 
-    def __call__(
-        self, source: Path, *, parameters: Any, progress: Progress = silent, folder: Path | None
-    ) -> Document:
-        """What is found in `source`; files beside go into `folder`."""
+    def __call__(self, source: Path, *, parameters: Any) -> Document:
+        """What is found in `source`."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +88,7 @@ class Work:
         start = time.perf_counter()
         try:
             with threadpool_limits(1):
-                document = self.compute(
-                    Path(case.source), parameters=self.parameters, folder=files.beside(case.key)
-                )
+                document = self.compute(Path(case.source), parameters=self.parameters)
         except Exception as fault:
             error = _line(fault, case)
             files.keep_failure(case.key, name=case.name, error=error)

@@ -1,6 +1,7 @@
 """Where a case of the study comes from: a surface file, a contrast CT, or a generated one."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from auricle.imaging.segmentation import SegmentationOptions, segment
 from auricle.imaging.verdict import Reason, verdict_of
 from auricle.imaging.volume import Volume
 from auricle.progress import Progress, silent
+from auricle.simulation.atrium import AtriumShape, atrium
 from auricle.simulation.phantom import PhantomOptions, Truth, phantom
 from auricle.simulation.phantom_options import hostile
 from auricle.study.provenance import source_of
@@ -27,6 +29,9 @@ from auricle.surface.soup import TriangleSoup
 PHANTOM = "phantom:"
 """How the name of a generated CT begins."""
 
+ATRIUM = "atrium:"
+"""How the name of a generated surface begins."""
+
 
 @dataclass(frozen=True, eq=False)
 class OriginalSurface:
@@ -37,7 +42,7 @@ class OriginalSurface:
     name
         Of the file without its folder, or the text of the generated CT.
     kind
-        ``surface``, ``volume`` or ``phantom``.
+        ``surface``, ``volume``, ``phantom`` or ``generated surface``.
     source
         Size and SHA-256 of what was read.
     cleaned
@@ -75,17 +80,8 @@ def phantom_options(text: str) -> PhantomOptions:
     60.0
     """
     known = {each.name: each.default for each in fields(PhantomOptions)}
-    given: dict[str, Any] = {}
-    case = "nominal"
-    for part in filter(None, text.removeprefix(PHANTOM).split(",")):
-        name, _, value = (each.strip() for each in part.partition("="))
-        if name == "case":
-            case = value
-        elif name in known:
-            given[name] = _converted(value, known[name], name)
-        else:
-            raise InputError(f"{text}: no option {name!r}: choose from case, {', '.join(known)}")
-    return hostile(case, PhantomOptions(**given))
+    given = _given(text, PHANTOM, {"case": "nominal", **known})
+    return hostile(given.pop("case"), PhantomOptions(**given))
 
 
 def original_surface(
@@ -96,8 +92,9 @@ def original_surface(
     Parameters
     ----------
     source
-        A surface file, a contrast CT (DICOM folder, NIfTI, NRRD, MetaImage), or a text as
-        `phantom_options` takes it.
+        A surface file, a contrast CT (DICOM folder, NIfTI, NRRD, MetaImage), a text as
+        `phantom_options` takes it, or one as ``atrium:seed=3,spacing=2`` for a generated surface,
+        extracted on a grid of that many mm.
     accept_check
         Whether to go on where a segmentation's verdict is ``check``.
     progress
@@ -110,6 +107,8 @@ def original_surface(
     """
     if str(source).startswith(PHANTOM):
         return _generated(str(source), accept_check, progress)
+    if str(source).startswith(ATRIUM):
+        return _grown(str(source))
     if source.is_dir() or is_image_file(source) or source.suffix.lower() == ".dcm":
         return _scanned(source, accept_check, progress)
     soup = read_surface(source)
@@ -141,6 +140,16 @@ def _generated(text: str, accept_check: bool, progress: Progress) -> OriginalSur
     return OriginalSurface(text, "phantom", source, _cleaned(surface), (), scan, patient.truth)
 
 
+def _grown(text: str) -> OriginalSurface:
+    options = _given(text, ATRIUM, {"seed": 1, "spacing": 1.0})
+    shape = AtriumShape.random(np.random.default_rng(options["seed"]))
+    mesh = atrium(shape, spacing=options["spacing"])
+    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
+    source = Source(text, mesh.vertices.nbytes + mesh.faces.nbytes, digest)
+    cleaned = clean(TriangleSoup(mesh.vertices, mesh.faces, space="LPS"))
+    return OriginalSurface(text, "generated surface", source, cleaned, ())
+
+
 def _cleaned(surface: Endocardium) -> CleanSurface:
     mesh: Mesh = surface.mesh
     return clean(TriangleSoup(mesh.vertices, mesh.faces, space="LPS"))
@@ -166,6 +175,17 @@ def _digest(volume: Volume) -> str:
     digest = hashlib.sha256(volume.affine.tobytes())
     digest.update(np.ascontiguousarray(volume.voxels).tobytes())
     return digest.hexdigest()
+
+
+def _given(text: str, kind: str, known: Mapping[str, Any]) -> dict[str, Any]:
+    """The options a text gives, over their defaults."""
+    given = dict(known)
+    for part in filter(None, text.removeprefix(kind).split(",")):
+        name, _, value = (each.strip() for each in part.partition("="))
+        if name not in known:
+            raise InputError(f"{text}: no option {name!r}: choose from {', '.join(known)}")
+        given[name] = _converted(value, known[name], name)
+    return given
 
 
 def _converted(value: str, default: Any, name: str) -> Any:
