@@ -26,8 +26,11 @@ ERRORS = (
 """Readings of the paper's two errors: GD of the original's vertices from the rebuilt surface, GD
 of the rebuilt's from the original; MSE, and mean squared distances to the nearest vertex."""
 
-SPACINGS = ("even", "geometric")
-"""Which counts τ is fitted to: those of the parameters, or all of a row near a geometric one."""
+RANGES = ("even", "even from 50", "even from 100", "geometric")
+"""Which counts τ is fitted to: those of the parameters, all or from a count on, or of all those
+near a geometric row. The paper states none, and a curve that falls as a power has no τ of its own:
+the fit then follows the counts."""
+_NEXT = 1.3
 
 Curves = dict[str, list[float]]
 
@@ -87,20 +90,20 @@ def decays(quality: Mapping[str, Curves], fitted: Sequence[int]) -> list[dict[st
     quality
         Curves by method.
     fitted
-        Counts of the even spacing; the geometric one takes, of all, those a factor 1.3 apart.
+        Counts of the ranges called even.
 
     Returns
     -------
     list of dict
-        Method, error, floor, spacing; and τ with its interval, height, floor and residual, or
+        Method, error, range and floor; and τ with its interval, height, floor and residual, or
         None for τ and the reason.
     """
     return [
-        {"method": method, "error": error, "spacing": spacing, "with_floor": floor}
-        | _decay(curves, error, _chosen(curves["counts"], spacing, fitted), floor)
+        {"method": method, "error": error, "range": counts, "with_floor": floor}
+        | _decay(curves, error, _chosen(curves["counts"], counts, fitted), floor)
         for method, curves in quality.items()
         for error in ERRORS
-        for spacing in SPACINGS
+        for counts in RANGES
         for floor in (False, True)
     ]
 
@@ -123,13 +126,14 @@ def _curves(levels: Iterator[tuple[int, Mesh, float, Mesh]]) -> Curves:
     return curves
 
 
-def _chosen(counts: Sequence[float], spacing: str, fitted: Sequence[int]) -> list[int]:
+def _chosen(counts: Sequence[float], which: str, fitted: Sequence[int]) -> list[int]:
     """Places of the counts to fit."""
-    if spacing == "even":
-        return [place for place, count in enumerate(counts) if count in fitted]
+    if which != "geometric":
+        least = float(which.rpartition(" from ")[2]) if " from " in which else 0.0
+        return [place for place, count in enumerate(counts) if count in fitted and count >= least]
     chosen: list[int] = []
     for place, count in enumerate(counts):
-        if not chosen or count >= 1.3 * counts[chosen[-1]]:
+        if not chosen or count >= _NEXT * counts[chosen[-1]]:
             chosen.append(place)
     return chosen
 

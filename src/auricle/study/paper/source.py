@@ -15,6 +15,7 @@ from auricle.imaging.verdict import Reason, verdict_of
 from auricle.imaging.volume import Volume
 from auricle.progress import Progress, silent
 from auricle.simulation.atrium import AtriumShape, atrium
+from auricle.simulation.atrium import AtriumShape, atrium
 from auricle.simulation.phantom import PhantomOptions, Truth, phantom
 from auricle.simulation.phantom_options import hostile
 from auricle.study.provenance import source_of
@@ -26,8 +27,9 @@ from auricle.surface.mesh import Mesh
 from auricle.surface.reading import read_surface
 from auricle.surface.soup import TriangleSoup
 
-PHANTOM = "phantom:"
-"""How the name of a generated CT begins."""
+PHANTOM, ATRIUM = "phantom:", "atrium:"
+"""How the name of a generated CT, and of a generated surface, begins."""
+_FINEST_MM = 0.4
 
 ATRIUM = "atrium:"
 """How the name of a generated surface begins."""
@@ -79,9 +81,9 @@ def phantom_options(text: str) -> PhantomOptions:
     >>> phantom_options("phantom:seed=3,preset=medium,case=noisy").noise
     60.0
     """
-    known = {each.name: each.default for each in fields(PhantomOptions)}
-    given = _given(text, PHANTOM, {"case": "nominal", **known})
-    return hostile(given.pop("case"), PhantomOptions(**given))
+    known = {each.name: each.default for each in fields(PhantomOptions)} | {"case": "nominal"}
+    given = _given(text, known)
+    return hostile(given.pop("case", "nominal"), PhantomOptions(**given))
 
 
 def original_surface(
@@ -107,6 +109,8 @@ def original_surface(
     """
     if str(source).startswith(PHANTOM):
         return _generated(str(source), accept_check, progress)
+    if str(source).startswith(ATRIUM):
+        return _made_up(str(source))
     if str(source).startswith(ATRIUM):
         return _grown(str(source))
     if source.is_dir() or is_image_file(source) or source.suffix.lower() == ".dcm":
@@ -148,6 +152,32 @@ def _grown(text: str) -> OriginalSurface:
     source = Source(text, mesh.vertices.nbytes + mesh.faces.nbytes, digest)
     cleaned = clean(TriangleSoup(mesh.vertices, mesh.faces, space="LPS"))
     return OriginalSurface(text, "generated surface", source, cleaned, ())
+
+
+def _made_up(text: str) -> OriginalSurface:
+    """A generated atrium without a CT, the patient of its seed."""
+    given = {"seed": 0, "spacing": 0.8} | _given(text, {"seed": 0, "spacing": 0.8})
+    if given["seed"] < 0 or given["spacing"] < _FINEST_MM:
+        raise InputError(f"{text}: give a seed from 0 and a spacing from {_FINEST_MM} mm")
+    mesh = atrium(
+        AtriumShape.random(np.random.default_rng(given["seed"])), spacing=given["spacing"]
+    )
+    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes())
+    source = Source(text, mesh.vertices.nbytes + mesh.faces.nbytes, digest.hexdigest())
+    return OriginalSurface(
+        text, "atrium", source, clean(TriangleSoup(mesh.vertices, mesh.faces)), ()
+    )
+
+
+def _given(text: str, known: dict[str, Any]) -> dict[str, Any]:
+    """Options of a text as ``kind:name=value,name=value``, of the kinds of their defaults."""
+    given = {}
+    for part in filter(None, text.partition(":")[2].split(",")):
+        name, _, value = (each.strip() for each in part.partition("="))
+        if name not in known:
+            raise InputError(f"{text}: no option {name!r}: choose from {', '.join(known)}")
+        given[name] = _converted(value, known[name], name)
+    return given
 
 
 def _cleaned(surface: Endocardium) -> CleanSurface:
