@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from auricle.arrays import Floats, PerVertex, Points
 from auricle.errors import InputError, SurfaceError
+from auricle.surface.fast_marching import FastMarching
 from auricle.surface.geodesics import distances_from
 from auricle.surface.mesh import Mesh
 
@@ -143,11 +144,30 @@ def draw_places(mesh: Mesh, count: int, *, rng: np.random.Generator) -> Points:
     return np.reshape(places, (-1, 3))
 
 
-def foci_at(mesh: Mesh, places: Points, *, reach_mm: float) -> Foci:
-    """Foci at the vertices nearest to some places, known up to `reach_mm` along the surface."""
+def foci_at(
+    mesh: Mesh, places: Points, *, reach_mm: float = np.inf, marched: bool = False
+) -> Foci:
+    """Foci at the vertices nearest to some places.
+
+    Parameters
+    ----------
+    mesh
+        The surface.
+    places
+        Points near it, shape (c, 3), mm.
+    reach_mm
+        How far along the surface a focus reaches; the exact search takes seconds for all of a
+        surface of 10,000 vertices.
+    marched
+        Whether distances are those of fast marching, in milliseconds and to 0.2 %, and not exact.
+        Counts by energy change by a few modes then; by amplitude, which weighs the crease where
+        paths from both sides meet, by up to 15 % for widths of 10 mm and more.
+    """
     centres = np.asarray(cKDTree(mesh.vertices).query(places)[1]).tolist()
-    distances = [distances_from(mesh, centre, reach=reach_mm) for centre in centres]
-    return Foci(np.stack(distances))
+    if marched:
+        marching = FastMarching(mesh)
+        return Foci(np.stack([marching.from_source([at], reach=reach_mm) for at in centres]))
+    return Foci(np.stack([distances_from(mesh, at, reach=reach_mm) for at in centres]))
 
 
 def placed_foci(

@@ -15,7 +15,6 @@ from auricle.imaging.verdict import Reason, verdict_of
 from auricle.imaging.volume import Volume
 from auricle.progress import Progress, silent
 from auricle.simulation.atrium import AtriumShape, atrium
-from auricle.simulation.atrium import AtriumShape, atrium
 from auricle.simulation.phantom import PhantomOptions, Truth, phantom
 from auricle.simulation.phantom_options import hostile
 from auricle.study.provenance import source_of
@@ -30,9 +29,6 @@ from auricle.surface.soup import TriangleSoup
 PHANTOM, ATRIUM = "phantom:", "atrium:"
 """How the name of a generated CT, and of a generated surface, begins."""
 _FINEST_MM = 0.4
-
-ATRIUM = "atrium:"
-"""How the name of a generated surface begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +78,9 @@ def phantom_options(text: str) -> PhantomOptions:
     60.0
     """
     known = {each.name: each.default for each in fields(PhantomOptions)} | {"case": "nominal"}
-    given = _given(text, known)
-    return hostile(given.pop("case", "nominal"), PhantomOptions(**given))
+    given = _given(text, PHANTOM, known)
+    case = given.pop("case")
+    return hostile(case, PhantomOptions(**given))
 
 
 def original_surface(
@@ -111,8 +108,6 @@ def original_surface(
         return _generated(str(source), accept_check, progress)
     if str(source).startswith(ATRIUM):
         return _made_up(str(source))
-    if str(source).startswith(ATRIUM):
-        return _grown(str(source))
     if source.is_dir() or is_image_file(source) or source.suffix.lower() == ".dcm":
         return _scanned(source, accept_check, progress)
     soup = read_surface(source)
@@ -144,19 +139,9 @@ def _generated(text: str, accept_check: bool, progress: Progress) -> OriginalSur
     return OriginalSurface(text, "phantom", source, _cleaned(surface), (), scan, patient.truth)
 
 
-def _grown(text: str) -> OriginalSurface:
-    options = _given(text, ATRIUM, {"seed": 1, "spacing": 1.0})
-    shape = AtriumShape.random(np.random.default_rng(options["seed"]))
-    mesh = atrium(shape, spacing=options["spacing"])
-    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
-    source = Source(text, mesh.vertices.nbytes + mesh.faces.nbytes, digest)
-    cleaned = clean(TriangleSoup(mesh.vertices, mesh.faces, space="LPS"))
-    return OriginalSurface(text, "generated surface", source, cleaned, ())
-
-
 def _made_up(text: str) -> OriginalSurface:
     """A generated atrium without a CT, the patient of its seed."""
-    given = {"seed": 0, "spacing": 0.8} | _given(text, {"seed": 0, "spacing": 0.8})
+    given = _given(text, ATRIUM, {"seed": 1, "spacing": 1.0})
     if given["seed"] < 0 or given["spacing"] < _FINEST_MM:
         raise InputError(f"{text}: give a seed from 0 and a spacing from {_FINEST_MM} mm")
     mesh = atrium(
@@ -164,20 +149,8 @@ def _made_up(text: str) -> OriginalSurface:
     )
     digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes())
     source = Source(text, mesh.vertices.nbytes + mesh.faces.nbytes, digest.hexdigest())
-    return OriginalSurface(
-        text, "atrium", source, clean(TriangleSoup(mesh.vertices, mesh.faces)), ()
-    )
-
-
-def _given(text: str, known: dict[str, Any]) -> dict[str, Any]:
-    """Options of a text as ``kind:name=value,name=value``, of the kinds of their defaults."""
-    given = {}
-    for part in filter(None, text.partition(":")[2].split(",")):
-        name, _, value = (each.strip() for each in part.partition("="))
-        if name not in known:
-            raise InputError(f"{text}: no option {name!r}: choose from {', '.join(known)}")
-        given[name] = _converted(value, known[name], name)
-    return given
+    cleaned = clean(TriangleSoup(mesh.vertices, mesh.faces, space="LPS"))
+    return OriginalSurface(text, "generated surface", source, cleaned, ())
 
 
 def _cleaned(surface: Endocardium) -> CleanSurface:
