@@ -87,6 +87,8 @@ class PaperParameters:
             raise InputError("placements and numbers of foci count from 1: correct them")
         if min((*self.focus_widths_mm, *self.curve_widths_mm), default=1.0) <= 0:
             raise InputError("a focus's width is a positive number of mm: correct it")
+        if list(self.focus_widths_mm) != sorted(set(self.focus_widths_mm)):
+            raise InputError("focus_widths_mm: give them from small to wide, each once")
         if not all(0 < share < 1 for share in self.shares) or not self.shares:
             raise InputError("shares of the power lie between 0 and 1: correct them")
         if self.convention_vertices < 0 or self.seed < 0:
