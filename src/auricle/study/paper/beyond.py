@@ -86,22 +86,28 @@ def resolved(
     capped = cap_holes(surface)
     n_modes = min(COMPARED_MODES, parameters.n_modes)
     basis = manifold_harmonics(capped.mesh, n_modes, seed=parameters.seed, threads=1)
-    stage = Stage(surface, capped, basis)
+    return main_counts(Stage(surface, capped, basis), places, parameters)
+
+
+def main_counts(
+    stage: Stage, places: Sequence[Points], parameters: PaperParameters
+) -> dict[str, Any]:
+    """As `resolved`, of a surface whose harmonics are known."""
+    spectrum = stage.basis.power_spectrum(stage.capped.mesh.vertices)
     single = [place[:1] for place in places]
-    foci = marched_foci(stage, single, widest_mm=max(parameters.focus_widths_mm))
-    shares = tuple(sorted({*parameters.shares, 0.95, 0.99}))
+    foci = marched_foci(stage, single, widest_mm=max(parameters.focus_widths_mm, default=1.0))
     return {
-        "n_vertices": surface.n_vertices,
+        "n_vertices": stage.surface.n_vertices,
         "geometry": {
-            f"{share:g}": modes_holding(basis.power_spectrum(capped.mesh.vertices), share)
-            for share in shares
+            f"{share:g}": modes_holding(spectrum, share)
+            for share in sorted({*parameters.shares, 0.95, 0.99})
         },
         "features": [
             {
                 "size": size,
                 "sigma_mm": width,
                 "counts": counts_by_share(
-                    basis,
+                    stage.basis,
                     np.column_stack([each.map_of(1, width) for each in foci]),
                     parameters.shares,
                 ),

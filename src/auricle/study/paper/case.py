@@ -12,7 +12,7 @@ from auricle.progress import Progress, silent
 from auricle.simulation.phantom import truth_surface
 from auricle.spectral.harmonics import manifold_harmonics
 from auricle.study.clock import Clock
-from auricle.study.paper.beyond import class_records, resolved, width_curve
+from auricle.study.paper.beyond import class_records, main_counts, resolved, width_curve
 from auricle.study.paper.features import (
     Stage,
     feature_records,
@@ -228,7 +228,7 @@ def _segmentation_error(
         "rms_mm": both.rms,
         "hausdorff_mm": both.hausdorff,
         "truth": resolved(truth, n_vertices, places, parameters),
-        "segmented": resolved(segmented, n_vertices, places, parameters),
+        "segmented": main_counts(stage, places, parameters),
     }
 
 

@@ -83,16 +83,19 @@ class PaperParameters:
             raise InputError(f"{self.n_modes} harmonics: ask for 10 or more, fewer than vertices")
         if len(set(self.fitted_counts)) < 4 or min(self.fitted_counts) < 4:
             raise InputError("τ is fitted to at least four counts of 4 or more: give more")
+        if not all(0 < share < 1 for share in self.shares) or not self.shares:
+            raise InputError("shares of the power lie between 0 and 1: correct them")
+        if self.convention_vertices < 0 or self.seed < 0:
+            raise InputError("seed and convention_vertices count from 0: correct them")
+        self._require_foci()
+
+    def _require_foci(self) -> None:
         if self.placements < 1 or self.class_draws < 0 or min(self.focus_counts, default=1) < 1:
             raise InputError("placements and numbers of foci count from 1: correct them")
         if min((*self.focus_widths_mm, *self.curve_widths_mm), default=1.0) <= 0:
             raise InputError("a focus's width is a positive number of mm: correct it")
         if list(self.focus_widths_mm) != sorted(set(self.focus_widths_mm)):
             raise InputError("focus_widths_mm: give them from small to wide, each once")
-        if not all(0 < share < 1 for share in self.shares) or not self.shares:
-            raise InputError("shares of the power lie between 0 and 1: correct them")
-        if self.convention_vertices < 0 or self.seed < 0:
-            raise InputError("seed and convention_vertices count from 0: correct them")
 
     @property
     def sizes(self) -> tuple[str, ...]:
