@@ -200,14 +200,31 @@ def manifold_harmonics(
     >>> [round(float(value), 3) for value in basis.eigenvalues[1:] * 10**2]
     [2.0, 2.0, 2.0]
     """
-    if not 1 <= n_modes < mesh.n_vertices:
-        raise InputError(
-            f"{n_modes} harmonics of {mesh.n_vertices} vertices: ask for 1 to {mesh.n_vertices - 1}"
-        )
+    return operator_harmonics(
+        laplacian(mesh), n_modes, seed=seed, threads=threads, progress=progress
+    )
+
+
+def operator_harmonics(
+    operator: Laplacian,
+    n_modes: int,
+    *,
+    seed: int = 1,
+    threads: int = 2,
+    progress: Progress = silent,
+) -> Harmonics:
+    """The first eigenfunctions of any pair of stiffness and areas, as `manifold_harmonics` does.
+
+    Areas that are all the same make it the standard eigenproblem of a symmetric matrix. Arguments
+    and errors are those of `manifold_harmonics`.
+    """
+    n = len(operator.areas)
+    if not 1 <= n_modes < n:
+        raise InputError(f"{n_modes} harmonics of {n} vertices: ask for 1 to {n - 1}")
     # Slices of the spectrum are the parts of the work that run side by side: in the narrow matrix
     # products of each a second thread gains little, and on shared cores it costs many times over.
     with threadpool_limits(1, user_api="blas"), Workers(threads, progress) as workers:
-        return _solved(laplacian(mesh), n_modes, seed=seed, workers=workers)
+        return _solved(operator, n_modes, seed=seed, workers=workers)
 
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:

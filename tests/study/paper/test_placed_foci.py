@@ -60,6 +60,15 @@ def test_a_map_of_two_foci_is_the_sum_of_both_alone(profile: str) -> None:
     assert foci.map_of(1, 3.0, profile=profile).max() == 1.0
 
 
+def test_marched_distances_make_nearly_the_same_map() -> None:
+    sphere = icosphere(radius=10.0, subdivisions=3)
+    exact, marched = (
+        foci_at(sphere, sphere.vertices[:1], marched=quick).map_of(1, 4.0)
+        for quick in (False, True)
+    )
+    assert 0 < np.abs(exact - marched).max() < 0.02
+
+
 def test_a_profile_or_a_width_that_is_none_is_refused() -> None:
     sphere = icosphere(radius=10.0, subdivisions=2)
     foci = foci_at(sphere, sphere.vertices[:1], reach_mm=5.0)

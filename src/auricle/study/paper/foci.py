@@ -144,9 +144,7 @@ def draw_places(mesh: Mesh, count: int, *, rng: np.random.Generator) -> Points:
     return np.reshape(places, (-1, 3))
 
 
-def foci_at(
-    mesh: Mesh, places: Points, *, reach_mm: float = np.inf, marched: bool = False
-) -> Foci:
+def foci_at(mesh: Mesh, places: Points, *, reach_mm: float = np.inf, marched: bool = False) -> Foci:
     """Foci at the vertices nearest to some places.
 
     Parameters
