@@ -13,6 +13,7 @@ from auricle.simulation.phantom import truth_surface
 from auricle.spectral.harmonics import manifold_harmonics
 from auricle.study.clock import Clock
 from auricle.study.paper.beyond import class_records, main_counts, resolved, width_curve
+from auricle.study.paper.conventions import convention_counts
 from auricle.study.paper.features import (
     Stage,
     feature_records,
@@ -124,6 +125,16 @@ def run_case(
         ]
     with clock.stage("segmentation error"):
         beyond["segmentation_error"] = _segmentation_error(original, stage, places, parameters)
+    conventions: dict[str, Any] = {}
+    if parameters.convention_vertices:
+        with clock.stage("conventions"):
+            conventions = convention_counts(
+                capped.mesh,
+                parameters=parameters,
+                harmonics=basis,
+                places=places,
+                progress=progress,
+            )
     with clock.stage("surfaces"):
         surfaces = kept_surfaces(stage, rebuilt, sequence, foci, parameters)
     values = {
@@ -136,6 +147,7 @@ def run_case(
         "decay": fitted,
         "features": features,
         "beyond": beyond,
+        "conventions": conventions,
         "surfaces": surfaces,
     }
     return CaseDocument(values, dict(clock.seconds))

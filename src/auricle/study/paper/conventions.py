@@ -6,7 +6,7 @@ amplitudes, whether the constant counts, and what a focus looks like. Each combi
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Literal
 
@@ -19,8 +19,9 @@ from auricle.spectral.harmonics import Harmonics
 from auricle.study.paper.features import places_of
 from auricle.study.paper.foci import PROFILES, foci_at
 from auricle.study.paper.mode_sample import ModeSample, sampled_modes
-from auricle.study.paper.operators import DUAL_CELLS, OPERATORS, Operator, operator_of
+from auricle.study.paper.operators import DUAL_CELLS, OPERATORS, DualCell, Operator, operator_of
 from auricle.study.paper.parameters import PaperParameters
+from auricle.study.paper.quality import decays, quality_of_harmonics
 from auricle.study.paper.transforms import TRANSFORMS, Transform
 from auricle.surface.mesh import Mesh
 from auricle.surface.simplification import simplify
@@ -36,6 +37,10 @@ these in `reproduction.py`."""
 
 PLACEMENTS = 4
 """How many placements of the foci are counted, at most; the case's own first ones."""
+
+COARSER = 3
+"""The counts are taken again on a surface of so many times fewer vertices."""
+_FEWEST = 100
 
 _N_PROBES = {"third": 14, "voronoi": 10}
 _VORONOI_SHARE = 0.4
@@ -91,11 +96,36 @@ def convention_counts(
         that could not be solved, and why. ``geometry``: a record each of operator, dual_cell,
         projection, coordinates, measure, constant and counts, by share. ``features``: the same
         without coordinates and with profile; counts by share are medians over placements, a row
-        for each of ``widths_mm`` with a number for each of ``focus_counts``.
+        for each of ``widths_mm`` with a number for each of ``focus_counts``. ``decay``: τ of the
+        surface rebuilt from the modes of Eq. 1 as printed, records as `quality.decays` has them.
+        ``coarser``: geometry and features again on a third of the vertices, with dual cells of a
+        third: what a bandwidth is does not change.
     """
     if parameters.convention_vertices < parameters.n_vertices:
         mesh, harmonics = simplify(mesh, parameters.convention_vertices), None
-    maps = _maps(mesh, places or places_of(mesh, parameters), parameters)
+    drawn = places or places_of(mesh, parameters)
+    document = _counted(mesh, drawn, parameters, DUAL_CELLS, harmonics=harmonics, progress=progress)
+    n_coarser = mesh.n_vertices // COARSER
+    if n_coarser >= _FEWEST:
+        fewer = replace(parameters, n_modes=max(parameters.n_modes // COARSER, 10))
+        progress("conventions on fewer vertices", 0, 1)
+        coarser = _counted(simplify(mesh, n_coarser), drawn, fewer, ("third",))
+        document["coarser"] = {
+            key: coarser[key] for key in ("n_vertices", "refused", "geometry", "features")
+        }
+    return document
+
+
+def _counted(
+    mesh: Mesh,
+    places: Sequence[Points],
+    parameters: PaperParameters,
+    cells: Sequence[DualCell],
+    *,
+    harmonics: Harmonics | None = None,
+    progress: Progress = silent,
+) -> dict[str, Any]:
+    maps = _maps(mesh, places, parameters)
     document: dict[str, Any] = {
         "n_vertices": mesh.n_vertices,
         "n_placements": maps.shape[0],
@@ -105,8 +135,9 @@ def convention_counts(
         "refused": [],
         "geometry": [],
         "features": [],
+        "decay": [],
     }
-    solved = list(product(OPERATORS, DUAL_CELLS))
+    solved = list(product(OPERATORS, cells))
     for done, (name, cell) in enumerate(solved):
         progress("conventions", done, len(solved))
         operator = operator_of(mesh, name, cell)
@@ -117,6 +148,8 @@ def convention_counts(
             document["refused"].append({"operator": name, "dual_cell": cell, "reason": str(fault)})
             continue
         _count(document, operator, sample, maps, parameters.shares)
+        if (name, cell) == ("as_printed", "third") and len(cells) > 1:
+            document["decay"] = _decay_as_printed(sample, mesh, parameters)
     return document
 
 
@@ -192,6 +225,20 @@ def _count(
             balances[f"{transform.operator} {transform.projection}"] = round(balance, 4)
         document["features"] += [label | row for row in _features(spectra, maps, shares)]
     document["operators"].append(_evidence(operator, sample) | {"balance": balances})
+
+
+def _decay_as_printed(
+    sample: ModeSample, mesh: Mesh, parameters: PaperParameters
+) -> list[dict[str, Any]]:
+    """τ of the errors of a surface rebuilt from modes that are orthonormal without areas."""
+    centre = mesh.vertices.mean(axis=0)
+    coefficients = sample.rows[: sample.n_lowest] @ (mesh.vertices - centre)
+    rebuilt = {
+        count: Mesh(sample.rows[:count].T @ coefficients[:count] + centre, mesh.faces)
+        for count in parameters.fitted_counts
+        if count <= sample.n_lowest
+    }
+    return decays({"mha": quality_of_harmonics(mesh, rebuilt)}, parameters.fitted_counts)
 
 
 def _evidence(operator: Operator, sample: ModeSample) -> dict[str, Any]:
