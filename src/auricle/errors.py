@@ -47,3 +47,9 @@ class OutputError(AuricleError):
 
 class SolverError(AuricleError):
     """A computation ended without the certificate it owes."""
+
+
+class CohortError(AuricleError):
+    """Some cases of a study have no result; the others have theirs."""
+
+    exit_code = 4

@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from auricle.cli.map_commands import import_export
 from auricle.cli.sampling_commands import plan, propose, reconstruct
+from auricle.cli.study_commands import study
 from auricle.cli.surface_commands import analyze, atrium, harmonics, simplify
 from auricle.cli.volume_commands import phantom, segment
 
@@ -16,6 +17,7 @@ COMMANDS: Mapping[str, Callable[..., None]] = MappingProxyType(
         "plan": plan,
         "reconstruct": reconstruct,
         "next": propose,
+        "study": study,
         "harmonics": harmonics,
         "simplify": simplify,
         "atrium": atrium,

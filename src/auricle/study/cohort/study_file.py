@@ -42,6 +42,19 @@ class Study:
     remarks: tuple[str, ...] = ()
 
 
+def chosen_study(entries: Sequence[str]) -> Study:
+    """The study of one TOML file, or of the cases that paths and generated ones stand for.
+
+    Raises
+    ------
+    InputError
+        As `read_study`, or if an entry stands for nothing.
+    """
+    if len(entries) == 1 and entries[0].lower().endswith(".toml"):
+        return read_study(Path(entries[0]))
+    return Study(expanded(entries))
+
+
 def read_study(path: Path) -> Study:
     """The study a TOML file describes.
 
