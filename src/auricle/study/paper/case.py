@@ -23,7 +23,7 @@ from auricle.study.paper.features import (
     significant,
 )
 from auricle.study.paper.parameters import PaperParameters
-from auricle.study.paper.quality import decays, quality_of_harmonics, quality_of_points
+from auricle.study.paper.quality import decays, power_laws, quality_of_harmonics, quality_of_points
 from auricle.study.paper.source import OriginalSurface, original_surface
 from auricle.study.paper.surfaces import kept_surfaces
 from auricle.study.provenance import versions
@@ -145,6 +145,7 @@ def run_case(
         "geometry": _geometry(stage, parameters),
         "quality": quality,
         "decay": fitted,
+        "power_laws": power_laws(quality),
         "features": features,
         "beyond": beyond,
         "conventions": conventions,
