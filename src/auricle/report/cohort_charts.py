@@ -41,7 +41,7 @@ def geometry_spectra_figure(documents: Sequence[Values], example: Values) -> Fig
     _number_axis(left, 2, _LAST_SHOWN)
     left.set_xlabel("harmonic k (number)")
     left.set_ylabel("size of the coefficient (mm, root mean square)")
-    left.set_title(f"(a) {figure_text(example['name'])}")
+    left.set_title(f"(a) {figure_text(str(example.get('case', example['name'])))}")
     left.legend(frameon=False, title="coordinate", loc="lower left")
     for document in documents:
         shares = 100 * np.array(document["geometry"]["accumulated_share"])

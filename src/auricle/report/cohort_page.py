@@ -20,23 +20,27 @@ from auricle.report.cohort_charts import (
     width_figure,
 )
 from auricle.report.cohort_cost_tables import cost_tables
-from auricle.report.cohort_pictures import rebuilt_maps_picture, rebuilt_surfaces_picture
-from auricle.report.cohort_tables import (
-    assumption_table,
+from auricle.report.cohort_csv import count_csv, decay_csv
+from auricle.report.cohort_further_tables import (
     bootstrap_table,
-    case_table,
-    claim_table,
     class_table,
-    count_csv,
-    count_table,
-    decay_csv,
-    decay_table,
-    reading_table,
     resolution_table,
     segmentation_table,
 )
+from auricle.report.cohort_pictures import rebuilt_maps_picture, rebuilt_surfaces_picture
+from auricle.report.cohort_tables import (
+    assumption_table,
+    case_name,
+    case_table,
+    count_table,
+    decay_table,
+    power_table,
+    reading_table,
+)
 from auricle.report.gallery import drawn_files
 from auricle.report.html import Caption, captioned, rendered
+from auricle.report.reproduction_page import reproduction_markdown
+from auricle.report.reproduction_tables import reproduction_tables
 from auricle.report.tables import Table
 from auricle.report.wording import counted, listed, number, printable
 from auricle.study.cohort.costs import Timed
@@ -111,13 +115,12 @@ def write_cohort(
     documents: Sequence[Timed],
     folder: Path,
     *,
-    reproduction: Sequence[Table] = (),
     progress: Progress = silent,
 ) -> Path:
     """Write a study's tables, figures and, last, its page into `folder`; returns the page.
 
-    ``table1.csv`` and ``decay.csv`` hold the numbers, ``figures/`` the figures; ``report.html``
-    alone is complete.
+    ``table1.csv`` and ``decay.csv`` hold the numbers, ``figures/`` the figures,
+    ``reproduction.md`` the conventions; ``report.html`` alone is complete.
 
     Parameters
     ----------
@@ -125,8 +128,6 @@ def write_cohort(
         The cases that succeeded, in the order of the study.
     folder
         Where to.
-    reproduction
-        Tables on the conventions the printed numbers may rest on.
     progress
         Told how many figures are drawn.
 
@@ -140,26 +141,22 @@ def write_cohort(
     values = [document.values for document in documents]
     counts, decays = count_rows(values), decay_rows(values)
     figures = drawn_files(_figures(values), progress)
-    page = cohort_page(documents, figures, reproduction=reproduction)
+    page = cohort_page(documents, figures)
     for name, content in figures.items():
         write_bytes(folder / "figures" / name, content)
     write_text(folder / "table1.csv", count_csv(counts))
     write_text(folder / "decay.csv", decay_csv(decays))
+    write_text(folder / "reproduction.md", reproduction_markdown(values))
     write_text(folder / "report.html", page)
     return folder / "report.html"
 
 
-def cohort_page(
-    documents: Sequence[Timed],
-    figures: Mapping[str, bytes],
-    *,
-    reproduction: Sequence[Table] = (),
-) -> str:
+def cohort_page(documents: Sequence[Timed], figures: Mapping[str, bytes]) -> str:
     """The page as HTML, complete in itself; the same documents give the same text.
 
     Parameters
     ----------
-    documents, reproduction
+    documents
         As `write_cohort` takes them.
     figures
         Content by file name.
@@ -179,7 +176,7 @@ def cohort_page(
     context: dict[str, Any] = {
         "kinds": _kinds(values),
         "answers": _answers(headline, counts, found),
-        "claims": claim_table(found),
+        "claims": found,
         "counts": count_table(counts),
         "decay": decay_table(
             headline, "τ, mean ± deviation over cases (harmonics or points); evenly spread counts"
@@ -187,7 +184,8 @@ def cohort_page(
         "assumptions": assumption_table(headline),
         "readings": reading_table(decays),
         "cases": case_table(values),
-        "reproduction": reproduction,
+        "conventions": reproduction_tables(values),
+        "powers": power_table(values),
         "further": [
             table
             for table in (
@@ -281,7 +279,7 @@ def _parameters(values: Values) -> Table:
 def _remarks(values: Sequence[Values]) -> list[str]:
     remarks = []
     for each in values:
-        name = printable(each["name"])
+        name = case_name(each)
         scan = each["scan"] or {"reasons": []}
         remarks += [
             f"{name}: {printable(str(text))}" for text in (*each["remarks"], *scan["reasons"])

@@ -15,6 +15,8 @@ from auricle.surface.mesh import Mesh
 
 WIDTH = 9.0
 """Width of a figure, inches."""
+SIDE = 0.85
+"""Height of a panel over its width."""
 _NOTE = "axes of the file, taken as x to the patient's left, y to the back, z to the head"
 
 
@@ -40,8 +42,8 @@ def rebuilt_surfaces_picture(surfaces: PicturedSurfaces) -> Figure:
         for axes, (count, mesh) in zip(row[1:], sorted(meshes.items()), strict=False):
             distances = point_to_surface(mesh.vertices, surfaces.original)
             _show(axes, render(mesh, camera, distances, scale=DISTANCE_SCALE))
-            axes.set_title(f"({next(letters)}) {count} {name}", fontsize="small")
-            axes.set_xlabel(f"median {np.median(distances):.2g} mm", fontsize="small")
+            middle = f"median {np.median(distances):.2g} mm"
+            axes.set_title(f"({next(letters)}) {count} {name}\n{middle}", fontsize="small")
     _add_bar(figure, grid, DISTANCE_SCALE)
     figure.supxlabel(f"from the front, {_NOTE}", fontsize="x-small")
     return figure
@@ -75,13 +77,13 @@ def rebuilt_maps_picture(surfaces: PicturedSurfaces) -> Figure:
 
 
 def _camera(points: np.ndarray, view: View, n_columns: int) -> Camera:
-    side = round(RESOLUTION * WIDTH / n_columns)
-    (camera,) = cameras(points, [view], width=side, height=side)
+    side = RESOLUTION * WIDTH / n_columns
+    (camera,) = cameras(points, [view], width=round(side), height=round(SIDE * side))
     return camera
 
 
 def _panels(n_rows: int, n_columns: int) -> tuple[Figure, np.ndarray]:
-    height = n_rows * (WIDTH / n_columns + 0.25) + 0.9
+    height = n_rows * (SIDE * WIDTH / n_columns + 0.45) + 0.9
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     grid = figure.subplots(n_rows, n_columns, squeeze=False)
     for axes in grid.flat:

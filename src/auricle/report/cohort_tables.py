@@ -1,24 +1,16 @@
 """Tables of a cohort's page, each from the study's rows to text."""
 
-import csv
-import io
 import math
-from collections.abc import Iterable, Sequence
-
-import numpy as np
+from collections.abc import Sequence
 
 from auricle.report.tables import Table
 from auricle.report.wording import number, percent, printable
-from auricle.study.paper.claims import Claim
-from auricle.study.paper.statistics import PairedTest, Summary, half_widths, summary
+from auricle.study.paper.statistics import PairedTest, Summary, summary
 from auricle.study.paper.tables import (
     READINGS,
     CountRow,
     DecayRow,
     Values,
-    counts_of,
-    decay_rows,
-    headline_decays,
     taus,
 )
 
@@ -29,8 +21,13 @@ READING_WORDS = {
     "mse_nearest_from_original_mm2": "from the original's points to the nearest rebuilt point",
     "mse_nearest_to_original_mm2": "from the rebuilt's points to the nearest original point",
 }
-BOOTSTRAP_SIZES = (4, 7, 14, 28, 56)
-_NOTHING = "–"
+NOTHING = "–"
+METHODS = {"mha": "MHA", "qslim": "Qslim"}
+
+
+def case_name(document: Values) -> str:
+    """Name of a case: what tells it from the others of its study, else the file's."""
+    return printable(str(document.get("case", document["name"])))
 
 
 def count_table(rows: Sequence[CountRow]) -> Table:
@@ -42,11 +39,11 @@ def count_table(rows: Sequence[CountRow]) -> Table:
             (
                 _map_words(row),
                 percent(row.share),
-                _count(row.median),
-                _span(row.low, row.high),
-                _span(row.case_low, row.case_high),
-                _NOTHING if row.printed is None else f"{row.printed:,}",
-                _NOTHING if row.ratio is None else _ratio(row.ratio),
+                count_words(row.median),
+                span_words(row.low, row.high),
+                span_words(row.case_low, row.case_high),
+                NOTHING if row.printed is None else f"{row.printed:,}",
+                NOTHING if row.ratio is None else _ratio(row.ratio),
             )
             for row in rows
         ),
@@ -85,11 +82,49 @@ def reading_table(rows: Sequence[DecayRow]) -> Table:
                 "fitted" if row.with_floor else "0",
                 _with_spread(row.mha),
                 _with_spread(row.qslim),
-                _NOTHING if row.test is None else number(row.test.ratio, digits=2),
-                _NOTHING if row.test is None else _p(row.test),
+                NOTHING if row.test is None else number(row.test.ratio, digits=2),
+                NOTHING if row.test is None else _p(row.test),
             )
             for row in rows
         ),
+    )
+
+
+def power_table(documents: Sequence[Values]) -> Table:
+    """Whether the errors fall as a power of the count or as an exponential."""
+    words = {error: reading for error, reading in reversed(READINGS)}
+    rows = []
+    for error, reading in words.items():
+        for method, name in METHODS.items():
+            found = [
+                each
+                for document in documents
+                for each in document["power_laws"]
+                if (each["method"], each["error"]) == (method, reading)
+            ]
+            if found:
+                better = sum(each["power_misfit"] < each["exponential_misfit"] for each in found)
+                rows.append(
+                    (
+                        f"{error}, {name}",
+                        _with_spread(summary([each["exponent"] for each in found])),
+                        *(
+                            percent(math.expm1(summary([each[kind] for each in found]).median))
+                            for kind in ("power_misfit", "exponential_misfit")
+                        ),
+                        f"{better} of {len(found)}",
+                    )
+                )
+    return Table(
+        "Power or exponential: how far each is off, typically, over all counts",
+        (
+            "Error",
+            "Exponent b of error ∝ countᵇ",
+            "Power off by",
+            "Exponential off by",
+            "Cases where the power is nearer",
+        ),
+        tuple(sorted(rows)),
     )
 
 
@@ -121,18 +156,6 @@ def assumption_table(rows: Sequence[DecayRow]) -> Table:
     )
 
 
-def claim_table(found: Sequence[Claim]) -> Table:
-    """The paper's findings, each confirmed or refuted."""
-    return Table(
-        "The paper's findings as claims",
-        ("What the paper says", "Here", "The numbers", "What would confirm it"),
-        tuple(
-            (f"“{each.words}” ({each.place})", each.outcome.value, each.evidence, each.criterion)
-            for each in found
-        ),
-    )
-
-
 def case_table(documents: Sequence[Values]) -> Table:
     """The cases: what they are, and their main numbers."""
     headline = {error: reading for error, reading in reversed(READINGS)}
@@ -144,7 +167,7 @@ def case_table(documents: Sequence[Values]) -> Table:
         shell = document["shell"]
         rows.append(
             (
-                printable(document["name"]),
+                case_name(document),
                 document["kind"],
                 f"{document['surface_as_read']['n_vertices']:,}",
                 f"{document['surface_analyzed']['n_vertices']:,}",
@@ -165,188 +188,10 @@ def case_table(documents: Sequence[Values]) -> Table:
     )
 
 
-def class_table(documents: Sequence[Values]) -> Table:
-    """Counts for other classes of maps, over cases and draws."""
-    shares = [f"{share:g}" for share in documents[0]["parameters"]["shares"]]
-    rows = []
-    for number_of, record in enumerate(documents[0]["beyond"]["classes"]):
-        cells = []
-        for share in shares:
-            records = [document["beyond"]["classes"][number_of] for document in documents]
-            counts = [
-                math.inf if count is None else count
-                for each in records
-                for count in each["counts"].get(share, [])
-            ]
-            closed = [each["closed_form"].get(share) for each in records]
-            known = [each for each in closed if each is not None]
-            cells += [
-                _NOTHING
-                if not counts
-                else f"{_count(float(np.sort(counts)[len(counts) // 2]))} "
-                f"({_span(min(counts), max(counts))})",
-                f"{np.median(known):.0f}" if known else _NOTHING,
-            ]
-        settings = ", ".join(f"{key} {value:g}" for key, value in record["parameters"].items())
-        rows.append((f"{record['title']} ({settings})", *cells))
-    head = [
-        text
-        for share in shares
-        for text in (f"{percent(float(share))}: median (least to most)", "closed form")
-    ]
-    return Table("Harmonics for other classes of maps (number)", ("Map", *head), tuple(rows))
-
-
-def segmentation_table(documents: Sequence[Values]) -> Table:
-    """Generated CTs: how far the segmented surface lies from the truth, and what that changes."""
-    rows = []
-    for document in documents:
-        error = document["beyond"]["segmentation_error"]
-        if error is None:
-            continue
-        sizes = [
-            f"{each['size']} {_medians(each)} / {_medians(other)}"
-            for each, other in zip(
-                error["truth"]["features"], error["segmented"]["features"], strict=True
-            )
-        ]
-        rows.append(
-            (
-                printable(document["name"]),
-                number(error["gd_mm"]),
-                number(error["rms_mm"]),
-                number(error["hausdorff_mm"]),
-                f"{error['truth']['geometry']['0.99']} / {error['segmented']['geometry']['0.99']}",
-                "; ".join(sizes),
-            )
-        )
-    return Table(
-        "Segmented surface against the true one (mm; harmonics, truth / segmented)",
-        (
-            "Case",
-            "Mean distance",
-            "Root mean square",
-            "Largest",
-            "Geometry, 99 %",
-            "One focus, largest share: median count",
-        ),
-        tuple(rows),
-    )
-
-
-def resolution_table(documents: Sequence[Values]) -> Table:
-    """Counts at other numbers of vertices, foci at the same places."""
-    rows = []
-    for document in documents:
-        for finer in document["beyond"]["resolution"]:
-            for each in finer["features"]:
-                (base,) = (
-                    record
-                    for record in document["features"]
-                    if (record["n_foci"], record["size"]) == (1, each["size"])
-                )
-                rows.append(
-                    (
-                        printable(document["name"]),
-                        f"{each['size']}, σ = {each['sigma_mm']:g} mm",
-                        f"{document['surface_analyzed']['n_vertices']:,}: {_medians(base)}",
-                        f"{finer['n_vertices']:,}: {_medians(each)}",
-                    )
-                )
-    return Table(
-        "Harmonics for one focus by resolution: median at the largest share (number)",
-        ("Case", "Focus", "Vertices: count", "Vertices: count"),
-        tuple(rows),
-    )
-
-
-def bootstrap_table(documents: Sequence[Values]) -> Table:
-    """How well τ and the counts would be known from other numbers of cases."""
-    rng = np.random.default_rng(1)
-    rows = []
-    for row in headline_decays(decay_rows(documents)):
-        for method in ("mha", "qslim"):
-            found = taus(documents, row.reading, row.counts, with_floor=row.with_floor)[method]
-            known = [value for value in found if value is not None]
-            if len(known) > 1:
-                rows.append((f"τ, {row.error}, {_METHODS[method]}", *_half_widths(known, rng)))
-    share = documents[0]["parameters"]["shares"][-1]
-    for size in dict.fromkeys(each["size"] for each in documents[0]["features"]):
-        medians = [
-            summary([count for case in counts_of([document], 1, size, share) for count in case
-                     if count is not None] or [math.nan]).median
-            for document in documents
-        ]  # fmt: skip
-        if len(medians) > 1 and not np.isnan(medians).any():
-            rows.append((f"Harmonics, one {size} focus, {percent(share)}",
-                         *_half_widths(medians, rng)))  # fmt: skip
-    return Table(
-        "Mean over cases, and ± half of its 95 % interval for cohorts of other sizes (bootstrap)",
-        ("Number", "Mean", *(f"{n} cases" for n in BOOTSTRAP_SIZES)),
-        tuple(rows),
-    )
-
-
-def count_csv(rows: Sequence[CountRow]) -> str:
-    """Table 1 as CSV; infinite: more than the harmonics solved for."""
-    head = (
-        "n_foci", "size", "share", "median", "low", "high", "n", "n_beyond",
-        "case_median_low", "case_median_high", "printed", "ratio",
-    )  # fmt: skip
-    return _csv(
-        head,
-        (
-            (
-                row.n_foci, row.size or "geometry", row.share, row.median, row.low, row.high, row.n,
-                row.n_beyond, row.case_low, row.case_high, row.printed, row.ratio,
-            )
-            for row in rows
-        ),
-    )  # fmt: skip
-
-
-def decay_csv(rows: Sequence[DecayRow]) -> str:
-    """τ of every reading as CSV, in harmonics or points."""
-    head = (
-        "error", "reading", "counts", "with_floor", "n", "mha_mean", "mha_deviation", "qslim_mean",
-        "qslim_deviation", "ratio", "ratio_low", "ratio_high", "test", "p_value", "effect",
-        "effect_name", "normality_p", "printed_mha", "printed_qslim",
-    )  # fmt: skip
-    return _csv(head, (_decay_record(row) for row in rows))
-
-
-_METHODS = {"mha": "MHA", "qslim": "Qslim"}
-
-
-def _decay_record(row: DecayRow) -> tuple[object, ...]:
-    test = row.test
-    tested: tuple[object, ...] = (None,) * 7
-    if test is not None:
-        tested = (
-            test.ratio, test.ratio_low, test.ratio_high, test.name, test.p_value, test.effect,
-            test.effect_name,
-        )  # fmt: skip
-    return (
-        row.error, row.reading, row.counts, row.with_floor, row.mha.n if row.mha else 0,
-        *((row.mha.mean, row.mha.deviation) if row.mha else (None, None)),
-        *((row.qslim.mean, row.qslim.deviation) if row.qslim else (None, None)),
-        *tested, None if test is None else test.normality_p, row.printed[0][0], row.printed[1][0],
-    )  # fmt: skip
-
-
-def _csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(head)
-    for row in rows:
-        writer.writerow(["" if cell is None else cell for cell in row])
-    return file.getvalue()
-
-
 def _decay_cells(row: DecayRow) -> tuple[str, ...]:
     test, (mha, qslim) = row.test, row.printed
-    ours = " / ".join(_NOTHING if each is None else _ratio(each) for each in row.ratios)
-    tested = (_NOTHING,) * 4
+    ours = " / ".join(NOTHING if each is None else _ratio(each) for each in row.ratios)
+    tested = (NOTHING,) * 4
     if test is not None:
         tested = (
             f"{number(test.ratio, digits=2)} ({number(test.ratio_low, digits=2)} to "
@@ -372,21 +217,23 @@ def _map_words(row: CountRow) -> str:
     return f"{row.n_foci} {'focus' if row.n_foci == 1 else 'foci'}, {row.size}"
 
 
-def _count(value: float) -> str:
+def count_words(value: float) -> str:
+    """A count, or that it lies beyond the harmonics at hand."""
     return "beyond" if math.isinf(value) else f"{value:,.0f}"
 
 
-def _span(low: float, high: float) -> str:
-    return _count(low) if low == high else f"{_count(low)} to {_count(high)}"
+def span_words(low: float, high: float) -> str:
+    """From a least to a greatest count."""
+    return count_words(low) if low == high else f"{count_words(low)} to {count_words(high)}"
 
 
 def _ratio(value: float) -> str:
-    return _NOTHING if math.isinf(value) else number(value, digits=2)
+    return NOTHING if math.isinf(value) else number(value, digits=2)
 
 
 def _with_spread(found: Summary | None) -> str:
     if found is None:
-        return _NOTHING
+        return NOTHING
     return f"{number(found.mean)} ± {number(found.deviation)}"
 
 
@@ -395,15 +242,4 @@ def _p(test: PairedTest) -> str:
 
 
 def _tau(value: float | None) -> str:
-    return _NOTHING if value is None else number(value)
-
-
-def _medians(record: Values) -> str:
-    counts = record["counts"][max(record["counts"], key=float)]
-    known = sorted(math.inf if count is None else count for count in counts)
-    return _count(float(known[len(known) // 2]))
-
-
-def _half_widths(values: Sequence[float], rng: np.random.Generator) -> tuple[str, ...]:
-    found = half_widths(values, BOOTSTRAP_SIZES, rng=rng)
-    return (number(float(np.mean(values))), *(f"± {number(each, digits=2)}" for each in found))
+    return NOTHING if value is None else number(value)

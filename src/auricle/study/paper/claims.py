@@ -102,9 +102,10 @@ def _low_pass(shares: Sequence[float], words: str, place: str) -> Claim:
         words,
         place,
         _outcome(reached, len(shares)),
-        f"the first tenth of the harmonics holds {LOW_PASS_POWER:.0%} of the power, in "
-        f"{NEARLY_ALL:.0%} of the maps",
-        f"holds in {reached} of {len(shares)}; median share {middle:.1%}, least {least:.1%}",
+        f"the first tenth of the harmonics holds {100 * LOW_PASS_POWER:g} % of the power, in "
+        f"{100 * NEARLY_ALL:g} % of the maps",
+        f"holds in {reached} of {len(shares)}; median share {100 * middle:.4g} %, "
+        f"least {100 * least:.4g} %",
     )
 
 
@@ -114,7 +115,7 @@ def _size_orders_counts(documents: Sequence[Values]) -> Claim:
         "small foci need more coefficients than medium ones, and these more than wide ones",
         "Table 1",
         _outcome(held, compared),
-        f"in {NEARLY_ALL:.0%} of cases, placements, numbers of foci and shares",
+        f"in {100 * NEARLY_ALL:g} % of cases, placements, numbers of foci and shares",
         f"in {held} of {compared}",
     )
 
@@ -126,7 +127,7 @@ def _counts_grow_with_size(documents: Sequence[Values]) -> Claim:
         "a high number of coefficients",
         "§3, against Table 1",
         _outcome(compared - held, compared),
-        f"the opposite order in {NEARLY_ALL:.0%} of them",
+        f"the opposite order in {100 * NEARLY_ALL:g} % of them",
         f"counts do not fall with size in {compared - held} of {compared}",
     )
 
@@ -164,7 +165,7 @@ def _counts_fall_with_foci(documents: Sequence[Values]) -> Claim:
         "Table 1",
         _outcome(sum(ratio >= PRINTED_RATIO for ratio in ratios), len(ratios)),
         f"the count for one focus is {PRINTED_RATIO} times that for the most foci or more, in "
-        f"{NEARLY_ALL:.0%} of cases, sizes and shares (printed: 1.7 to 8, but 0.7 for wide)",
+        f"{100 * NEARLY_ALL:g} % of cases, sizes and shares (printed: 1.7 to 8, but 0.7 for wide)",
         f"median ratio {found.median:.2f}, {found.low:.2f} to {found.high:.2f}",
     )
 
@@ -183,7 +184,7 @@ def _shares_ask_for_different_counts(documents: Sequence[Values]) -> Claim:
         "the number of coefficients was very different when considering 85 % against 90 %",
         "§3, Table 1",
         _outcome(sum(ratio >= PRINTED_RATIO for ratio in ratios), len(ratios)),
-        f"a ratio of {PRINTED_RATIO} or more in {NEARLY_ALL:.0%} of maps (printed: 2.1 to 9)",
+        f"a ratio of {PRINTED_RATIO} or more in {100 * NEARLY_ALL:g} % of maps (printed: 2.1 to 9)",
         f"median ratio {found.median:.2f}, {found.low:.2f} to {found.high:.2f}; a Gaussian's in "
         f"theory {np.log(0.10) / np.log(0.15):.2f}",
     )
@@ -244,7 +245,7 @@ def _quarter_thousand_is_enough(documents: Sequence[Values]) -> Claim:
         "about 250 coefficients can be an adequate number to reconstruct the geometry",
         "§3, Figure 1",
         _outcome(sum(enough), len(enough)),
-        f"250 harmonics hold 90 % of the varying power in {NEARLY_ALL:.0%} of the cases",
+        f"250 harmonics hold 90 % of the varying power in {100 * NEARLY_ALL:g} % of the cases",
         f"{found}90 % of the power takes {needed} harmonics: far fewer than 250 are adequate by "
         "this measure",
     )

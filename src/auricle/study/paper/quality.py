@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from auricle.arrays import Floats
 from auricle.errors import InputError
 from auricle.sampling.decay import fit_decay
 from auricle.surface.collapse_sequence import CollapseSequence
@@ -31,6 +32,7 @@ RANGES = ("even", "even from 50", "even from 100", "geometric")
 near a geometric row. The paper states none, and a curve that falls as a power has no τ of its own:
 the fit then follows the counts."""
 _NEXT = 1.3
+_FEWEST = 4
 
 Curves = dict[str, list[float]]
 
@@ -106,6 +108,46 @@ def decays(quality: Mapping[str, Curves], fitted: Sequence[int]) -> list[dict[st
         for counts in RANGES
         for floor in (False, True)
     ]
+
+
+def power_laws(quality: Mapping[str, Curves]) -> list[dict[str, Any]]:
+    """How well a power of the count describes each error, beside an exponential without floor.
+
+    Both are straight lines fitted to the logarithm of the error, over all counts: against the
+    logarithm of the count, or the count.
+
+    Returns
+    -------
+    list of dict
+        Method, error; ``exponent`` b of error ∝ countᵇ; ``power_misfit`` and
+        ``exponential_misfit``, root mean squares of the logarithm's residuals. Errors that reach 0
+        are left out.
+    """
+    found: list[dict[str, Any]] = []
+    for method, curves in quality.items():
+        counts = np.array(curves["counts"], dtype=np.float64)
+        for error in ERRORS:
+            if len(counts) < _FEWEST or min(curves[error]) <= 0.0:
+                continue
+            logs = np.log(curves[error])
+            slope, power_misfit = _line(np.log(counts), logs)
+            found.append(
+                {
+                    "method": method,
+                    "error": error,
+                    "exponent": slope,
+                    "power_misfit": power_misfit,
+                    "exponential_misfit": _line(counts, logs)[1],
+                }
+            )
+    return found
+
+
+def _line(places: Floats, heights: Floats) -> tuple[float, float]:
+    """Slope of the straight line through some points, and the root mean square of its residuals."""
+    slope, offset = np.polyfit(places, heights, 1)
+    misfit = np.sqrt(np.mean((heights - slope * places - offset) ** 2))
+    return float(slope), float(misfit)
 
 
 def _curves(levels: Iterator[tuple[int, Mesh, float, Mesh]]) -> Curves:

@@ -19,6 +19,8 @@ STEP_MM = 0.01
 STEP_OF_MAP = 0.005
 PICTURED_FOCI = 2
 """Number of foci in the paper's Figure 4."""
+WELL_APART = 2.5
+"""Widths of the widest foci that the two shown lie apart, as nearly as a placement has it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +90,7 @@ def kept_surfaces(
             for count in points
             for level in [sequence.mesh_at(count)]
         },
-        "maps": _maps(stage, foci[0], parameters),
+        "maps": _maps(stage, foci, parameters),
     }
 
 
@@ -123,6 +125,13 @@ def pictured_surfaces(document: Mapping[str, Any]) -> PicturedSurfaces:
     )
 
 
+def _apart(foci: Foci) -> float:
+    """Distance along the surface from the first focus to the second, mm; 0 for one focus."""
+    if len(foci.distances_mm) < PICTURED_FOCI:
+        return 0.0
+    return float(foci.distances_mm[0][foci.distances_mm[1].argmin()])
+
+
 def _mesh(mesh: Mesh, centre: np.ndarray) -> dict[str, Any]:
     return {"vertices_mm": packed(mesh.vertices - centre, step=STEP_MM)}
 
@@ -131,13 +140,16 @@ def _unpacked_mesh(document: Mapping[str, Any]) -> Mesh:
     return Mesh(unpacked(document["vertices_mm"]), unpacked(document["faces"]).astype(np.int64))
 
 
-def _maps(stage: Stage, foci: Foci, parameters: PaperParameters) -> list[dict[str, Any]]:
+def _maps(stage: Stage, foci: Sequence[Foci], parameters: PaperParameters) -> list[dict[str, Any]]:
     """Maps of the paper's Figure 4: as many foci as there, or the nearest number there is."""
-    if not parameters.focus_counts:
+    if not parameters.focus_counts or not parameters.focus_widths_mm:
         return []
     n_foci = min(parameters.focus_counts, key=lambda count: abs(count - PICTURED_FOCI))
     n = stage.surface.n_vertices
-    maps = np.column_stack([foci.map_of(n_foci, width) for width in parameters.focus_widths_mm])
+    shown = min(
+        foci, key=lambda each: abs(_apart(each) - WELL_APART * parameters.focus_widths_mm[-1])
+    )
+    maps = np.column_stack([shown.map_of(n_foci, width) for width in parameters.focus_widths_mm])
     rebuilt = rebuilt_maps(stage.basis, maps, parameters.pictured_counts)
     return [
         {
