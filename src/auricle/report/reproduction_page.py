@@ -232,8 +232,8 @@ def _method(found: Evidence) -> str:
     placements = _range([each["conventions"]["n_placements"] for each in found.documents])
     return (
         "Distance: the root mean square of ln(ours / printed) over the 20 counts of Table 1 and "
-        "all cases, shown as the factor it amounts to. The widths of foci, which the paper does not "
-        "state, are those that suit each reading best over all cases, three of "
+        "all cases, shown as the factor it amounts to. The widths of foci, which the paper does "
+        "not state, are those that suit each reading best over all cases, three of "
         f"{len(found.documents[0]['conventions']['widths_mm'])}; counts of foci are medians over "
         f"{placements} placements. Accumulated sums run over all n coefficients: the lowest are "
         "solved for and certified complete, those above are sampled in bunches whose places in the "
