@@ -12,7 +12,7 @@ from auricle.surface.reading import read_surface
 from auricle.surface.shapes import icosphere, joined
 from auricle.surface.writing import write_surface
 
-COMMANDS = ("analyze", "harmonics", "simplify", "atrium")
+COMMANDS = ("analyze", "study", "harmonics", "simplify", "atrium")
 
 
 @pytest.mark.parametrize("command", COMMANDS)

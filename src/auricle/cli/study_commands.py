@@ -92,7 +92,7 @@ def study(
         with _crew(workers, scheduler, slurm) as crew:
             _compute(cases, parameters, output, crew)
     if part is None:
-        typer.echo(str(_report(wanted, cases, output)))
+        _report(wanted, cases, output)
     _require_all(cases, output)
 
 
@@ -160,17 +160,21 @@ def _line(standing: "Standing") -> str:
     return f"[{standing.n_done}/{standing.n_total}] {standing.case.name}: {ended}; {rest}"
 
 
-def _report(wanted: "Study", cases: "Sequence[Case]", output: Path) -> Path:
-    """Gather what is there into tables, pages and, last, the crate; returns the report's place."""
+def _report(wanted: "Study", cases: "Sequence[Case]", output: Path) -> None:
+    """Gather what is there into tables, the page and, last, the crate; says where the page is."""
+    from auricle.cli.progress import progress_bars
+    from auricle.report.cohort_page import write_cohort
     from auricle.study.cohort.crate import write_crate
     from auricle.study.cohort.gathering import gather
     from auricle.study.cohort.tables import write_tables
 
     cohort = gather(cases, output)
     write_tables(cohort, output)
-    place = output / "cohort.csv"
+    if cohort.finished:
+        with progress_bars() as progress:
+            page = write_cohort(cohort.finished, output, progress=progress)
+        typer.echo(str(page))
     write_crate(wanted, cohort, output)
-    return place
 
 
 def _require_all(cases: "Sequence[Case]", output: Path) -> None:

@@ -1,0 +1,205 @@
+"""What running a cohort costs beyond its cases, and what the cases cost by stage and size.
+
+::
+
+    python benchmarks/cohort_throughput.py            # 200 tiny cases, 1 and 2 workers; minutes
+    python benchmarks/cohort_throughput.py --scaling  # one atrium at five sizes; minutes
+
+Each rewrites its section of docs/performance_study.md. Seconds are CPU seconds of the workers, so
+that other work on the machine disturbs them little; wall times are said beside.
+"""
+
+import argparse
+import gc
+import json
+import os
+import re
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+os.environ.setdefault("AURICLE_CACHE", "off")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+import psutil
+
+from auricle.study.cohort.costs import stage_costs
+from auricle.study.cohort.execution import Work
+from auricle.study.cohort.identity import identified
+from auricle.study.cohort.processes import LocalWorkers
+from auricle.study.cohort.runner import run_cases
+from auricle.study.paper.case import CaseDocument, run_case
+from auricle.study.paper.parameters import PaperParameters
+
+PAGE = Path(__file__).parents[1] / "docs" / "performance_study.md"
+TITLE = """# Speed of a study
+
+Written by `benchmarks/cohort_throughput.py`; do not edit. How to repeat it is said there.
+"""
+TINY = PaperParameters(
+    n_vertices=300,
+    n_modes=60,
+    coefficient_counts=(10, 20, 30, 40, 50),
+    point_counts=(20, 30, 40, 50),
+    fitted_counts=(20, 30, 40, 50),
+    pictured_counts=(50,),
+    placements=1,
+    curve_widths_mm=(8.0, 16.0),
+    class_draws=0,
+    convention_vertices=0,
+)
+SIZES = (2_500, 5_000, 10_000, 20_000)
+WARM = 20
+"""Cases after which a worker's memory is looked at: all is loaded and compiled by then."""
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """One run of the cohort: CPU and wall seconds, and memory of a worker in MB."""
+
+    workers: int
+    n_cases: int
+    cpu_s: float
+    wall_s: float
+    warm_mb: float
+    last_mb: float
+    mb_per_100_cases: float
+    load: float
+
+
+def sources(count: int) -> tuple[str, ...]:
+    """Generated atria, another for each seed."""
+    return tuple(f"atrium:seed={seed},spacing=3" for seed in range(1, count + 1))
+
+
+def seconds_of_one_case(count: int) -> float:
+    """Mean CPU seconds of a case in a process that has done some: every fourth of the cohort."""
+    chosen = sources(count)[::4]
+    for source in chosen[:2]:
+        run_case(Path(source), parameters=TINY)
+    start = time.process_time()
+    for source in chosen:
+        run_case(Path(source), parameters=TINY)
+    return (time.process_time() - start) / len(chosen)
+
+
+def throughput(workers: int, count: int) -> Throughput:
+    """The cohort on so many workers, from hiring them to the last result on disk."""
+    memory: list[tuple[int, float]] = []
+    gc.collect()
+    children = os.times()
+    own = time.process_time()
+    start = time.monotonic()
+    with tempfile.TemporaryDirectory() as place:
+        work = Work(run_case, TINY, Path(place))
+        cases = identified(sources(count), TINY)
+        run_cases(cases, work, LocalWorkers(workers), tell=watching(memory))
+    wall = time.monotonic() - start
+    after = os.times()
+    cpu = after.children_user + after.children_system
+    cpu -= children.children_user + children.children_system
+    done, used = np.array([each for each in memory if each[0] >= WARM * workers]).T
+    return Throughput(
+        workers,
+        count,
+        cpu + time.process_time() - own,
+        wall,
+        float(used[:10].mean()),
+        float(used[-10:].mean()),
+        float(np.polyfit(done, used, 1)[0]) * 100 * workers,
+        os.getloadavg()[2],
+    )
+
+
+def watching(memory: list[tuple[int, float]]) -> Callable[..., None]:
+    """Notes the mean resident memory of the workers, MB, at every case that ends."""
+
+    def tell(standing) -> None:
+        if standing.outcome.error is not None:
+            raise SystemExit(standing.outcome.error)
+        sizes = [
+            child.memory_info().rss
+            for child in psutil.Process().children()
+            if "spawn_main" in " ".join(child.cmdline())
+        ]
+        memory.append((standing.n_done, float(np.mean(sizes)) / 2**20))
+
+    return tell
+
+
+def throughput_section(count: int) -> str:
+    """One case by itself against the cohort on one and two workers."""
+    one = seconds_of_one_case(count)
+    runs = [throughput(workers, count) for workers in (1, 2)]
+    lines = [
+        f"{count} cases of 300 vertices and 60 harmonics; one case takes {one:.3f} s of CPU in a "
+        "process that has done others. Efficiency is that times the cases over the CPU seconds of "
+        "the whole run, with starting the workers, hashing, writing and reporting: the share of "
+        "the ideal throughput a core reaches. Memory is that of a worker, mean of ten cases after "
+        f"the first {WARM} and at the end.",
+        "",
+        "| workers | CPU, s | wall, s | efficiency | memory, MB | at the end, MB | MB per 100 "
+        "cases | load |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {run.workers} | {run.cpu_s:.0f} | {run.wall_s:.0f} | {one * count / run.cpu_s:.2f} | "
+        f"{run.warm_mb:.0f} | {run.last_mb:.0f} | {run.mb_per_100_cases:+.1f} | {run.load:.1f} |"
+        for run in runs
+    ]
+    sys.stdout.write(json.dumps([one, *map(asdict, runs)]) + "\n")
+    return "\n".join(lines)
+
+
+def scaling_section() -> str:
+    """Cost by stage of one generated atrium at five sizes, as the paper's study has them."""
+    whole = PaperParameters()
+    documents: list[CaseDocument] = []
+    for n_vertices in SIZES:
+        parameters = replace(whole, n_vertices=n_vertices, placements=5, convention_vertices=0)
+        source = Path(f"atrium:seed=1,spacing={0.5 * (20_000 / n_vertices) ** 0.5:.3f}")
+        documents.append(run_case(source, parameters=parameters))
+    lines = [
+        "One generated atrium at "
+        + ", ".join(
+            f"{document.values['surface_analyzed']['n_vertices']:,}" for document in documents
+        )
+        + " vertices, 1,000 harmonics, five placements, no comparison of conventions. The exponent "
+        "b is that of seconds ∝ verticesᵇ, of the surface as read for the first two stages.",
+        "",
+        "| stage | " + " | ".join(f"{size:,}, s" for size in SIZES) + " | b |",
+        "|---|" + "---|" * (len(SIZES) + 1),
+    ]
+    for cost in stage_costs(documents):
+        cells = [f"{document.timings[cost.stage]:.2f}" for document in documents]
+        fitted = cost.exponent is not None and cost.exponent_error is not None
+        b = f"{cost.exponent:.2f} ± {cost.exponent_error:.2f}" if fitted else "–"
+        lines.append(f"| {cost.stage} | " + " | ".join(cells) + f" | {b} |")
+    return "\n".join(lines)
+
+
+def write(heading: str, section: str) -> None:
+    """Put a section into the page in place of the one of that heading."""
+    text = PAGE.read_text(encoding="utf-8") if PAGE.exists() else TITLE
+    kept = re.sub(rf"\n## {heading}\n.*?(?=\n## |\Z)", "", text, flags=re.DOTALL)
+    PAGE.write_text(f"{kept.rstrip()}\n\n## {heading}\n\n{section}\n", encoding="utf-8")
+
+
+def main() -> None:
+    """Measure what is asked for and rewrite its section."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", type=int, default=200)
+    parser.add_argument("--scaling", action="store_true")
+    chosen = parser.parse_args()
+    if chosen.scaling:
+        write("Cost by stage", scaling_section())
+    else:
+        write("Throughput of a cohort", throughput_section(chosen.cases))
+
+
+if __name__ == "__main__":
+    main()
