@@ -87,8 +87,8 @@ def _opening(found: Evidence) -> str:
     names = ", ".join(str(each["name"]) for each in found.documents)
     return (
         "Written by `auricle study`; every number but the printed ones is computed in that run. "
-        f"The paper's {N_ATRIA} CTs are not public; these are {len(found.documents)} other left "
-        f"atria ({names}), simplified to {vertices} vertices (the paper: {N_VERTICES:,}). Counts "
+        f"The paper's {N_ATRIA} CTs are not public; these are {len(found.documents)} other cases "
+        f"({names}), simplified to {vertices} vertices (the paper: {N_VERTICES:,}). Counts "
         "of another atrium can differ from the printed ones without any reading being wrong, so "
         "nearness is judged over all entries and cases."
     )
@@ -120,12 +120,7 @@ def _shown(found: Evidence) -> Iterator[str]:
         f"{_counts(nearest, 1)}. It is first in {nearest.first_share:.0%} of resamples of the "
         f"cases. {_verdict(nearest)}"
     )
-    geometry = min(found.ranking, key=lambda each: each.geometry)
-    yield (
-        f"The nearest for the geometry alone is: {geometry.convention.label}; "
-        f"{_counts(geometry, 0)} and {_counts(geometry, 1)}, a factor of "
-        f"{factor(geometry.geometry)}."
-    )
+    yield from _geometries(found)
     yield from _measures(found)
     yield from _growths(found)
     for each in nearest_taus(found):
@@ -134,6 +129,22 @@ def _shown(found: Evidence) -> Iterator[str]:
             f"τ of {each.kind}: nearest to the printed {printed} points is {each.label}, with "
             f"{each.means[0]:.1f} and {each.means[1]:.1f}, a factor of {factor(each.distance)}."
         )
+
+
+def _geometries(found: Evidence) -> Iterator[str]:
+    """What comes nearest to the geometry's two counts, which no width of a focus can suit."""
+    for measure in ("amplitude", "energy"):
+        nearest = _nearest_geometry(found, measure)
+        yield (
+            f"By {measure}, the nearest to the geometry's counts alone is: "
+            f"{nearest.convention.label}; {_counts(nearest, 0)} and {_counts(nearest, 1)}, a "
+            f"typical factor of {factor(nearest.geometry)}."
+        )
+
+
+def _nearest_geometry(found: Evidence, measure: str) -> Nearness:
+    own = (each for each in found.ranking if each.convention.measure == measure)
+    return min(own, key=lambda each: each.geometry)
 
 
 def _measures(found: Evidence) -> Iterator[str]:
@@ -200,6 +211,7 @@ def _inferred(found: Evidence) -> Iterator[str]:
         )
     else:
         yield "Table 1 alone does not tell accumulated energy from accumulated amplitude here."
+    yield from _inferred_of_geometry(found)
     if lead is not None:
         exponents = found.growth(lead)[:, _GEOMETRY]
         if np.isfinite(exponents).any() and np.nanmedian(exponents) > 1 / 3:
@@ -218,6 +230,25 @@ def _inferred(found: Evidence) -> Iterator[str]:
         "geometric distance that falls alike for harmonics and Qslim) are tested as claims in the "
         "report and do not depend on which reading is right, unless it says so there."
     )
+
+
+def _inferred_of_geometry(found: Evidence) -> Iterator[str]:
+    """What the geometry's row suggests, apart from the features'."""
+    amplitude, energy = (_nearest_geometry(found, each) for each in ("amplitude", "energy"))
+    if amplitude.geometry > FAR or energy.geometry - amplitude.geometry < CLOSE:
+        yield "The geometry's row does not tell which quantity was accumulated."
+        return
+    yield (
+        "The geometry's row alone is met to within a factor of two by amplitude "
+        f"({factor(amplitude.geometry)}) and less well by energy ({factor(energy.geometry)}): it "
+        "speaks for amplitude, on two numbers."
+    )
+    if amplitude.features > FAR:
+        yield (
+            "The same reading does not meet the features' rows (a factor of "
+            f"{factor(amplitude.features)}, with the widths that suit it best): either geometry "
+            "and features were counted differently, or the foci were of a kind not tried here."
+        )
 
 
 def _verdict(nearest: Nearness) -> str:
@@ -276,7 +307,9 @@ def _limits(found: Evidence) -> Iterator[str]:
 
 def _counts(reading: Nearness, column: int) -> str:
     counts: Floats = reading.counts[:, column]
-    return f"{_range(counts.tolist())} (median {np.median(counts):.0f})"
+    if counts.min() == counts.max():
+        return f"{counts[0]:.0f}"
+    return f"{np.median(counts):.0f} (median of {_range(counts.tolist())})"
 
 
 def _range(values: Sequence[float]) -> str:

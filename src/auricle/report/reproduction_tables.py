@@ -63,7 +63,10 @@ MEANINGS: tuple[tuple[str, str], ...] = (
         "coefficients (for a feature: magnitudes)",
     ),
     ("constant in, out", "whether the mode of eigenvalue 0 enters the sum"),
-    ("gaussian, raised cosine, disc", "the profile of a focus along the surface"),
+    (
+        "gaussian, raised cosine, disc",
+        "the profile of a focus along the surface; gaussian in space: of the straight distance",
+    ),
 )
 """What the names of choices mean."""
 

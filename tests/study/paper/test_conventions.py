@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from auricle.spectral.harmonics import manifold_harmonics
-from auricle.study.paper.conventions import convention_counts, modes_for_share
+from auricle.study.paper.conventions import SHAPES, convention_counts, modes_for_share
 from auricle.study.paper.features import places_of
-from auricle.study.paper.foci import PROFILES, foci_at
+from auricle.study.paper.foci import foci_at
 from auricle.study.paper.parameters import PaperParameters
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import ellipsoid
@@ -40,7 +40,7 @@ def test_every_combination_is_there_once(counted: dict) -> None:
     keys = ("operator", "projection", "dual_cell", "coordinates", "measure", "constant")
     assert len({tuple(row[key] for key in keys) for row in counted["geometry"]}) == 80
     assert len(counted["geometry"]) == 80
-    assert len(counted["features"]) == 40 * len(PROFILES)
+    assert len(counted["features"]) == 40 * len(SHAPES)
     assert counted["refused"] == []
     assert counted["coarser"]["n_vertices"] == 642 // 3
     shape = (len(counted["widths_mm"]), len(counted["focus_counts"]))

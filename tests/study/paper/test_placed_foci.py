@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from auricle.errors import InputError
-from auricle.study.paper.foci import PROFILES, draw_places, foci_at, placed_foci
+from auricle.study.paper.foci import PROFILES, draw_places, foci_at, placed_foci, straight_foci
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import ellipsoid, icosphere, torus
 
@@ -67,6 +67,15 @@ def test_marched_distances_make_nearly_the_same_map() -> None:
         for quick in (False, True)
     )
     assert 0 < np.abs(exact - marched).max() < 0.02
+
+
+def test_straight_foci_are_wider_than_those_along_a_curved_surface() -> None:
+    sphere = icosphere(radius=10.0, subdivisions=3)
+    places = sphere.vertices[:1]
+    straight = straight_foci(sphere, places)
+    np.testing.assert_allclose(straight.distances_mm.max(), 20.0)  # through the centre
+    along = foci_at(sphere, places).map_of(1, 5.0)
+    assert (straight.map_of(1, 5.0) >= along - 1e-12).all()
 
 
 def test_a_profile_or_a_width_that_is_none_is_refused() -> None:

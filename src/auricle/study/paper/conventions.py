@@ -17,7 +17,7 @@ from auricle.errors import SolverError
 from auricle.progress import Progress, silent
 from auricle.spectral.harmonics import Harmonics
 from auricle.study.paper.features import places_of
-from auricle.study.paper.foci import PROFILES, foci_at
+from auricle.study.paper.foci import PROFILES, foci_at, straight_foci
 from auricle.study.paper.mode_sample import ModeSample, sampled_modes
 from auricle.study.paper.operators import DUAL_CELLS, OPERATORS, DualCell, Operator, operator_of
 from auricle.study.paper.parameters import PaperParameters
@@ -31,9 +31,12 @@ MEASURES: tuple[Measure, ...] = ("energy", "amplitude")
 CONSTANTS = ("in", "out")
 COORDINATES = ("centred", "as given")
 
-WIDTHS_MM = (2.0, 2.8, 4.0, 5.7, 8.0, 11.3, 16.0, 22.6)
+WIDTHS_MM = (2.8, 4.0, 5.7, 8.0, 11.3, 16.0, 22.6, 32.0)
 """Widths of foci, a factor of √2 apart: the paper states none, so each reading chooses among
 these in `reproduction.py`."""
+
+SHAPES = (*PROFILES, "gaussian_in_space")
+"""Profiles of foci along the surface, and a Gaussian of the distance straight through space."""
 
 PLACEMENTS = 4
 """How many placements of the foci are counted, at most; the case's own first ones."""
@@ -178,13 +181,15 @@ def _maps(mesh: Mesh, places: Sequence[Points], parameters: PaperParameters) -> 
     columns = []
     for each in chosen:
         foci = foci_at(mesh, each, marched=True)
-        columns += [
-            foci.map_of(count, width, profile=profile)
-            for count in counts
-            for profile in PROFILES
-            for width in WIDTHS_MM
-        ]
-    shape = (len(chosen), len(counts), len(PROFILES), len(WIDTHS_MM))
+        straight = straight_foci(mesh, each)
+        for count in counts:
+            columns += [
+                foci.map_of(count, width, profile=profile)
+                for profile in PROFILES
+                for width in WIDTHS_MM
+            ]
+            columns += [straight.map_of(count, width) for width in WIDTHS_MM]
+    shape = (len(chosen), len(counts), len(SHAPES), len(WIDTHS_MM))
     return _Maps(mesh.vertices, np.stack(columns, axis=1), shape)
 
 
@@ -320,7 +325,7 @@ def _features(spectra: _Spectra, maps: _Maps, shares: Sequence[float]) -> Iterat
                 found[i, j, column] = modes_for_share(curve, share, with_constant=constant == "in")
         shaped = found.reshape(len(CONSTANTS), len(shares), *maps.shape)
         medians = np.median(shaped, axis=2)
-        for (i, constant), (k, profile) in product(enumerate(CONSTANTS), enumerate(PROFILES)):
+        for (i, constant), (k, profile) in product(enumerate(CONSTANTS), enumerate(SHAPES)):
             yield {
                 "measure": measure,
                 "constant": constant,

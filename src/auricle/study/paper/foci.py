@@ -168,6 +168,15 @@ def foci_at(mesh: Mesh, places: Points, *, reach_mm: float = np.inf, marched: bo
     return Foci(np.stack([distances_from(mesh, at, reach=reach_mm) for at in centres]))
 
 
+def straight_foci(mesh: Mesh, places: Points) -> Foci:
+    """Foci at the same vertices with distances straight through space, not along the surface.
+
+    They have no crease where paths from both sides meet, but reach across a thin wall.
+    """
+    centres = np.asarray(cKDTree(mesh.vertices).query(places)[1])
+    return Foci(np.linalg.norm(mesh.vertices - mesh.vertices[centres][:, None], axis=2))
+
+
 def placed_foci(
     mesh: Mesh,
     *,
