@@ -51,6 +51,17 @@ def test_an_operator_that_was_refused_is_named(made_up: ModuleType) -> None:
     assert "case: as printed, voronoi (no certificate)" in reproduction_markdown([case])
 
 
+def test_surfaces_of_another_resolution_and_widths_at_an_end_are_said_to_be_so(
+    made_up: ModuleType,
+) -> None:
+    case = made_up.document(made_up.only_true)
+    assert "other than about 10,000 vertices" in reproduction_markdown([case])  # 9,000: 10.5 %
+    assert "an end of the range tried, 2 to 32 mm" in reproduction_markdown([case])
+    case["conventions"]["n_vertices"] = 10_012
+    steady = reproduction_markdown([case])
+    assert "other than about" not in steady
+
+
 def test_every_table_has_cells_for_its_columns_and_every_reading_is_listed(
     made_up: ModuleType,
 ) -> None:

@@ -40,6 +40,9 @@ from auricle.study.paper.reproduction import LEAD, SOUND, Nearness, Values
 CLOSE, FAR = float(np.log(1.25)), float(np.log(2.0))
 """Distances up to which printed numbers count as reproduced, and from which as not."""
 
+_SAME_SIZE = 0.1
+"""Of ln(vertices / the paper's): beyond it a surface is of another resolution."""
+
 _GEOMETRY = [entry.n_foci == 0 for entry in TABLE_1]
 
 
@@ -265,7 +268,7 @@ def _method(found: Evidence) -> str:
         "Distance: the root mean square of ln(ours / printed) over the 20 counts of Table 1 and "
         "all cases, shown as the factor it amounts to. The widths of foci, which the paper does "
         "not state, are those that suit each reading best over all cases, three of "
-        f"{len(found.documents[0]['conventions']['widths_mm'])}; counts of foci are medians over "
+        f"{len(_widths(found))} tried; counts of foci are medians over "
         f"{placements} placements. Accumulated sums run over all n coefficients: the lowest are "
         "solved for and certified complete, those above are sampled in bunches whose places in the "
         "spectrum are counted; for the energy the total is exact by Parseval's identity."
@@ -284,6 +287,18 @@ def _limits(found: Evidence) -> Iterator[str]:
         f"{max(balances):.1%} at worst; sums of amplitudes, which nothing else gives, rest on the "
         "same sample."
     )
+    vertices = [each["conventions"]["n_vertices"] for each in found.documents]
+    if max(abs(np.log(np.divide(vertices, N_VERTICES)))) > _SAME_SIZE:
+        yield (
+            f"Some surfaces have other than about {N_VERTICES:,} vertices: readings whose counts "
+            "grow with the mesh cannot be held against print there."
+        )
+    edges = (min(_widths(found)), max(_widths(found)))
+    if set(edges) & set(found.ranking[0].widths_mm):
+        yield (
+            f"The nearest reading's widths reach an end of the range tried, {edges[0]:g} to "
+            f"{edges[1]:g} mm: with others it could come nearer."
+        )
     refused = [
         f"{each['name']}: {row['operator'].replace('_', ' ')}, {row['dual_cell']} ({row['reason']})"
         for each in found.documents
@@ -303,6 +318,12 @@ def _limits(found: Evidence) -> Iterator[str]:
         "one example atrium, which cannot be known; the spread over our cases is given with every "
         "count."
     )
+
+
+def _widths(found: Evidence) -> Sequence[float]:
+    """Widths of foci tried, mm."""
+    widths: Sequence[float] = found.documents[0]["conventions"]["widths_mm"]
+    return widths
 
 
 def _counts(reading: Nearness, column: int) -> str:
