@@ -64,7 +64,9 @@ def run_case(
 
     Surface → Qslim → harmonics → spectra of x, y and z, error of the surface rebuilt from
     harmonics and of the one thinned out, τ, focal maps at many places, harmonics for shares of
-    their power; further widths and classes of maps; the conventions of the paper's numbers.
+    their power; further widths and classes of maps; the conventions of the paper's numbers. Holes
+    are closed by caps first: harmonics, both rebuilt surfaces and their errors are of the closed
+    surface, as the paper's are; foci are placed on the real part of it.
 
     Parameters
     ----------
@@ -100,9 +102,9 @@ def run_case(
         measured = {
             count: mesh for count, mesh in rebuilt.items() if count in parameters.coefficient_counts
         }
-        mha = quality_of_harmonics(stage.surface, measured)
+        mha = quality_of_harmonics(capped.mesh, measured)
     with clock.stage("qslim"):
-        sequence = simplification_sequence(stage.surface)
+        sequence = simplification_sequence(capped.mesh)
         qslim = quality_of_points(sequence, parameters.point_counts)
     quality = {"mha": mha, "qslim": qslim}
     with clock.stage("decay"):
@@ -212,12 +214,12 @@ def _geometry(stage: Stage, parameters: PaperParameters) -> dict[str, Any]:
 
 
 def _rebuilt(stage: Stage, counts: tuple[int, ...]) -> dict[int, Mesh]:
-    """The real surface rebuilt from the first harmonics, by their number."""
-    basis, n = stage.basis, stage.surface.n_vertices
-    centre = stage.surface.vertices.mean(axis=0)
-    coefficients = basis.transform(stage.capped.mesh.vertices - centre)
+    """The closed surface rebuilt from the first harmonics, by their number."""
+    basis, closed = stage.basis, stage.capped.mesh
+    centre = closed.vertices.mean(axis=0)
+    coefficients = basis.transform(closed.vertices - centre)
     return {
-        count: Mesh(basis.inverse(coefficients[:count])[:n] + centre, stage.surface.faces)
+        count: Mesh(basis.inverse(coefficients[:count]) + centre, closed.faces)
         for count in sorted(set(counts))
         if count <= basis.n_modes
     }

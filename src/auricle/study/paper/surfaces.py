@@ -32,7 +32,7 @@ class PicturedMap:
     size, sigma_mm, n_foci
         Which.
     values
-        On the real surface, shape (n,).
+        On the closed surface, shape (n,).
     rebuilt
         The same from the first harmonics, by their number.
     """
@@ -51,7 +51,7 @@ class PicturedSurfaces:
     Attributes
     ----------
     original
-        The real surface, about its middle, mm.
+        The closed surface, about its middle, mm.
     mha, qslim
         The same rebuilt from harmonics, and thinned out, by their number.
     maps
@@ -74,7 +74,7 @@ def kept_surfaces(
     """Surfaces and maps of a case as JSON holds them; empty if none are to be kept."""
     if not parameters.surfaces_kept:
         return {}
-    surface = stage.surface
+    surface = stage.capped.mesh
     centre = surface.vertices.mean(axis=0)
     counts = [count for count in parameters.pictured_counts if count in rebuilt]
     points = [
@@ -145,7 +145,6 @@ def _maps(stage: Stage, foci: Sequence[Foci], parameters: PaperParameters) -> li
     if not parameters.focus_counts or not parameters.focus_widths_mm:
         return []
     n_foci = min(parameters.focus_counts, key=lambda count: abs(count - PICTURED_FOCI))
-    n = stage.surface.n_vertices
     shown = min(
         foci, key=lambda each: abs(_apart(each) - WELL_APART * parameters.focus_widths_mm[-1])
     )
@@ -156,9 +155,9 @@ def _maps(stage: Stage, foci: Sequence[Foci], parameters: PaperParameters) -> li
             "size": size,
             "sigma_mm": width,
             "n_foci": n_foci,
-            "values": packed(maps[:n, column], step=STEP_OF_MAP),
+            "values": packed(maps[:, column], step=STEP_OF_MAP),
             "rebuilt": {
-                f"{count}": packed(values[:n, column], step=STEP_OF_MAP)
+                f"{count}": packed(values[:, column], step=STEP_OF_MAP)
                 for count, values in rebuilt.items()
             },
         }
