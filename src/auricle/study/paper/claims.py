@@ -165,8 +165,8 @@ def _counts_fall_with_foci(documents: Sequence[Values]) -> Claim:
         "Table 1",
         _outcome(sum(ratio >= FAR_APART for ratio in ratios), len(ratios)),
         f"the count for one focus is {FAR_APART} times that for the most foci or more, in "
-        f"{100 * NEARLY_ALL:g} % of cases, sizes and shares (printed: 1.7 to 7.9, but 0.72 for wide "
-        "foci at 85 %)",
+        f"{100 * NEARLY_ALL:g} % of cases, sizes and shares (printed: 1.7 to 7.9, but 0.72 for "
+        "wide foci at 85 %)",
         f"median ratio {found.median:.2f}, {found.low:.2f} to {found.high:.2f}",
     )
 
