@@ -53,7 +53,7 @@ TINY = PaperParameters(
     convention_vertices=0,
 )
 SIZES = (2_500, 5_000, 10_000, 20_000)
-WARM = 20
+WARM = 10
 """Cases after which a worker's memory is looked at: all is loaded and compiled by then."""
 
 

@@ -11,7 +11,8 @@ import numpy as np
 import psutil
 import pytest
 
-from auricle.errors import OutputError
+from auricle.errors import OutputError, SolverError
+from auricle.study.cohort import processes
 from auricle.study.cohort.case import Case
 from auricle.study.cohort.case_files import CaseFiles
 from auricle.study.cohort.execution import Work
@@ -212,6 +213,15 @@ def test_shards_together_are_the_whole_study(run, tmp_path) -> None:
     assert sizes == [6, 7, 7]
     assert results(tmp_path / "out") == results(tmp_path / "whole")
     assert len(run("out").found) == 20
+
+
+def test_workers_that_never_come_up_end_the_study_with_a_reason(
+    run, stand_ins, monkeypatch
+) -> None:
+    monkeypatch.setattr(processes, "_MOST_STILLBORN", 2)
+    Path(stand_ins.__file__).unlink()  # so that no worker can find the case function
+    with pytest.raises(SolverError, match="2 workers ended before they were ready"):
+        run("out")
 
 
 def test_a_place_that_cannot_be_written_ends_the_study(run, tmp_path) -> None:

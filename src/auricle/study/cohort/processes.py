@@ -7,16 +7,20 @@ import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 
+from auricle.errors import SolverError
 from auricle.isolation import ONE_THREAD
 from auricle.study.cohort.case import Case
 from auricle.study.cohort.execution import Outcome
 
 MOST_ATTEMPTS = 3
 """How often a case is begun whose worker dies; after that the case is taken for the cause."""
+
+_MOST_STILLBORN = 20
+"""How many workers in a row may die before they are ready; after that it is no accident."""
 
 _NEW_PROCESS = multiprocessing.get_context("spawn")
 _PATIENCE = 10.0
@@ -27,18 +31,19 @@ CaseWork = Callable[[Case], Outcome]
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, the way to speak with it and the case it is at."""
+    """A process, the way to speak with it, whether it has come up, and the case it is at."""
 
     process: SpawnProcess
     connection: Connection
+    ready: bool = False
     case: Case | None = None
 
 
 class LocalWorkers:
     """Processes of this machine, each with one thread.
 
-    A worker that dies, by its case or by a kill, is replaced and its case begun again, up to
-    `MOST_ATTEMPTS` times; no other case notices.
+    A worker that dies, by its case or by a kill, is replaced and its case begun again after all
+    others, up to `MOST_ATTEMPTS` times; no other case notices.
 
     Parameters
     ----------
@@ -56,23 +61,33 @@ class LocalWorkers:
         ------
         AuricleError
             As `work` does, which ends all workers.
+        SolverError
+            If workers die again and again before they are ready.
         """
-        waiting = deque(cases)
-        deaths: Counter[str] = Counter()
-        crew = [_hired(work) for _ in range(min(self.count, len(waiting)))]
+        queue = _Queue(deque(cases))
+        crew = [_hired(work) for _ in range(min(self.count, len(cases)))]
         try:
-            while waiting or any(worker.case for worker in crew):
+            while queue.waiting or any(worker.case for worker in crew):
                 crew = [_replaced_if_dead(worker, work) for worker in crew]
                 for worker in crew:
-                    _give(worker, waiting)
-                busy = {worker.connection: worker for worker in crew if worker.case}
-                for connection in wait(list(busy), timeout=_PATIENCE):
-                    outcome = _heard(busy[connection], waiting, deaths)  # type: ignore[index]
+                    _give(worker, queue)
+                heard = {each.connection: each for each in crew if each.case or not each.ready}
+                for connection in wait(list(heard), timeout=_PATIENCE):
+                    outcome = _heard(heard[connection], queue)  # type: ignore[index]
                     if outcome is not None:
                         yield outcome
         finally:
             for worker in crew:
                 _dismiss(worker)
+
+
+@dataclass(eq=False)
+class _Queue:
+    """Cases that wait, how often each lost its worker, and workers that never came up."""
+
+    waiting: deque[Case]
+    deaths: Counter[str] = field(default_factory=Counter)
+    stillborn: int = 0
 
 
 def _hired(work: CaseWork) -> _Worker:
@@ -91,39 +106,52 @@ def _replaced_if_dead(worker: _Worker, work: CaseWork) -> _Worker:
     return _hired(work)
 
 
-def _give(worker: _Worker, waiting: deque[Case]) -> None:
+def _give(worker: _Worker, queue: _Queue) -> None:
     """Set an idle worker to the next case; one that has just died leaves it where it is."""
-    if worker.case is not None or not waiting:
+    if not worker.ready or worker.case is not None or not queue.waiting:
         return
     try:
-        worker.connection.send(waiting[0])
+        worker.connection.send(queue.waiting[0])
     except OSError:
         worker.process.join()
         return
-    worker.case = waiting.popleft()
+    worker.case = queue.waiting.popleft()
 
 
-def _heard(worker: _Worker, waiting: deque[Case], deaths: Counter[str]) -> Outcome | None:
-    """What a worker says of its case; None if it died and the case will be begun again."""
+def _heard(worker: _Worker, queue: _Queue) -> Outcome | None:
+    """The outcome a worker tells; None if it only came up, or died and the case waits again."""
     case, worker.case = worker.case, None
     try:
-        said: Outcome | Exception = worker.connection.recv()
+        said: Outcome | Exception | None = worker.connection.recv()
     except (EOFError, OSError):
         worker.process.join()
-        return None if case is None else _after_death(case, worker, waiting, deaths)
+        how = _ending(worker.process.exitcode or 0)
+        if case is not None:
+            return _after_death(case, how, queue)
+        _note_stillborn(how, queue)
+        return None
     if isinstance(said, Exception):
         raise said
+    if said is None:
+        worker.ready = True
+        queue.stillborn = 0
     return said
 
 
-def _after_death(
-    case: Case, worker: _Worker, waiting: deque[Case], deaths: Counter[str]
-) -> Outcome | None:
-    deaths[case.key] += 1
-    if deaths[case.key] < MOST_ATTEMPTS:
-        waiting.appendleft(case)
+def _note_stillborn(how: str, queue: _Queue) -> None:
+    queue.stillborn += 1
+    if queue.stillborn >= _MOST_STILLBORN:
+        raise SolverError(
+            f"{queue.stillborn} workers ended before they were ready, the last by {how}: look "
+            "whether there is memory for them, or ask for fewer"
+        )
+
+
+def _after_death(case: Case, how: str, queue: _Queue) -> Outcome | None:
+    queue.deaths[case.key] += 1
+    if queue.deaths[case.key] < MOST_ATTEMPTS:
+        queue.waiting.append(case)
         return None
-    how = _ending(worker.process.exitcode or 0)
     return Outcome(
         case.key,
         f"{case.name}: ended its worker {MOST_ATTEMPTS} times, last by {how}: look whether it "
@@ -150,6 +178,7 @@ def _serve(connection: Connection, work: CaseWork) -> None:
     """What a worker does all its life: a case comes in, its outcome goes out."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study itself is interrupted, and ends it
     threading.Thread(target=_leave_with_parent, daemon=True).start()
+    connection.send(None)
     while True:
         try:
             case = connection.recv()
