@@ -93,6 +93,13 @@ def test_probes_stand_for_the_modes_between_them(
     assert "100 eigenvalues counted" in sample.evidence
     assert sample.n_modes == uneven.n_vertices
     assert len(sample.rows) < 0.95 * uneven.n_vertices
+    matrix = operators[name].matrix
+    exact_values = np.linalg.eigvalsh(matrix.toarray())
+    for probe in sample.probes:
+        rows = sample.rows[probe.first : probe.last]
+        heights = np.einsum("kn,kn->k", rows, (matrix @ rows.T).T)
+        places = np.abs(exact_values - heights[:, None]).argmin(axis=1)
+        assert probe.place == pytest.approx(places.mean(), abs=5)
     centred = uneven.vertices - uneven.vertices.mean(axis=0)
     amplitude, exact = (
         each.curve(np.linalg.norm(each.rows @ centred, axis=1))
