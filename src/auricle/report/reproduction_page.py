@@ -224,14 +224,13 @@ def _inferred(found: Evidence) -> Iterator[str]:
                 "bandwidth: with another mesh of the same atrium it would have been another."
             )
     yield (
-        f"The paper's statement that about {ADEQUATE} coefficients suit the geometry does not rest "
-        "on that count alone; the distance of the rebuilt surface, which does not depend on how "
-        "power is added up, is the better ground for it (see the report's Figure 2)."
+        f"The paper takes its figure of about {ADEQUATE} adequate coefficients from Figure 1b and "
+        "Table 1, that is from this count. The distance of the rebuilt surface does not depend on "
+        "how power is added up and is the better ground for such a figure (the report's Figure 2)."
     )
     yield (
-        "The qualitative conclusions (low-pass spectra, fewer coefficients for wider foci, a "
-        "geometric distance that falls alike for harmonics and Qslim) are tested as claims in the "
-        "report and do not depend on which reading is right, unless it says so there."
+        "The paper's qualitative conclusions are tested as claims in the report under auricle's "
+        "own reading (area weighted, energy, constant out), not under the others listed here."
     )
 
 
