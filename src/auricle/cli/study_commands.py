@@ -87,7 +87,7 @@ def study(
         typer.echo(f"note: {remark}", err=True)
     parameters = _parameters(wanted, entries[0])
     sources = wanted.sources if part is None else part.of(wanted.sources)
-    cases = identified(sources, parameters)
+    cases = identified(sources, parameters, among=wanted.sources)
     if not gather:
         with _crew(workers, scheduler, slurm) as crew:
             _compute(cases, parameters, output, crew)

@@ -84,3 +84,12 @@ def test_so_does_code_that_can_enter_a_number_and_no_other(pair, tmp_path, monke
 def test_an_input_that_cannot_be_read_is_told(tmp_path) -> None:
     with pytest.raises(InputError, match=r"gone\.vtp: No such file"):
         key(tmp_path / "gone.vtp")
+
+
+def test_a_case_has_the_same_name_in_a_shard_as_in_the_study(tmp_path) -> None:
+    study = [str(tmp_path / patient / "left.vtp") for patient in ("p1", "p2")]
+    for place in study:
+        (tmp_path / place).parent.mkdir()
+        (tmp_path / place).write_text(place)
+    whole = identified(study, Choice())
+    assert identified(study[1:], Choice(), among=study) == whole[1:]

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -26,7 +26,9 @@ _COMPANIONS = {
 """Suffixes of the files that belong to a file of this suffix, their names beginning like its."""
 
 
-def identified(sources: tuple[str, ...], parameters: Any) -> tuple[Case, ...]:
+def identified(
+    sources: Sequence[str], parameters: Any, *, among: Sequence[str] = ()
+) -> tuple[Case, ...]:
     """The cases of a study with their names and keys.
 
     Parameters
@@ -35,18 +37,18 @@ def identified(sources: tuple[str, ...], parameters: Any) -> tuple[Case, ...]:
         Files, folders, generated cases.
     parameters
         A frozen dataclass of plain values.
+    among
+        All cases of the study, which the names shall tell apart; by default `sources`.
 
     Raises
     ------
     InputError
         If an input cannot be read.
     """
-    names = case_names(sources)
+    every = among or sources
+    names = dict(zip(every, case_names(every), strict=True))
     shared = {"parameters": asdict(parameters), "versions": versions(), "code": code_digest()}
-    return tuple(
-        Case(name, source, _key(source, shared))
-        for name, source in zip(names, sources, strict=True)
-    )
+    return tuple(Case(names[source], source, _key(source, shared)) for source in sources)
 
 
 def _key(source: str, shared: Mapping[str, Any]) -> str:
