@@ -49,9 +49,9 @@ def geometry_spectra_figure(documents: Sequence[Values], example: Values) -> Fig
     n_modes = max(len(each["geometry"]["accumulated_share"]) for each in documents)
     printed = [100 * share for share in PRINTED_SHARES]
     right.plot(GEOMETRY, printed, "x", color=_PAPER, ms=8, mew=2)
-    for count, share in zip(GEOMETRY, printed, strict=True):
+    for count, share, below in zip(GEOMETRY, printed, (-18, 8), strict=True):
         right.annotate(
-            f"printed: {count}", (count, share), xytext=(0, -16), textcoords="offset points",
+            f"printed: {count}", (count, share), xytext=(0, below), textcoords="offset points",
             ha="right", color=_PAPER, fontsize="small",
         )  # fmt: skip
     for share in printed:

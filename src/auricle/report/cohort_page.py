@@ -52,7 +52,9 @@ from auricle.study.paper.tables import (
     Values,
     count_rows,
     decay_rows,
+    decays_by_range,
     headline_decays,
+    nearest_by_range,
 )
 
 CAPTIONS: Mapping[str, Caption] = MappingProxyType(
@@ -175,11 +177,12 @@ def cohort_page(documents: Sequence[Timed], figures: Mapping[str, bytes]) -> str
     }
     context: dict[str, Any] = {
         "kinds": _kinds(values),
-        "answers": _answers(headline, counts, found),
+        "answers": _answers(headline, nearest_by_range(decays), counts, found),
         "claims": found,
         "counts": count_table(counts),
         "decay": decay_table(
-            headline, "τ, mean ± deviation over cases (harmonics or points); evenly spread counts"
+            decays_by_range(decays),
+            "τ, mean ± deviation over cases (harmonics or points), by the counts it is fitted to",
         ),
         "assumptions": assumption_table(headline),
         "readings": reading_table(decays),
@@ -243,17 +246,25 @@ def _kinds(values: Sequence[Values]) -> str:
 
 
 def _answers(
-    headline: Sequence[DecayRow], counts: Sequence[CountRow], found: Sequence[Claim]
+    headline: Sequence[DecayRow],
+    nearest: Sequence[DecayRow],
+    counts: Sequence[CountRow],
+    found: Sequence[Claim],
 ) -> list[str]:
     outcomes = Counter(claim.outcome for claim in found)
     tally = listed([f"{outcomes[each]} {each.value}" for each in Outcome if outcomes[each]])
     answers = [f"Of {counted(len(found), 'finding')} of the paper: {tally}."]
     for row in headline:
         if row.mha and row.qslim:
+            closest = next(each for each in nearest if each.error == row.error)
             answers.append(
-                f"τ under {row.error}: {number(row.mha.mean)} ± {number(row.mha.deviation)} "
-                f"harmonics and {number(row.qslim.mean)} ± {number(row.qslim.deviation)} points; "
-                f"the paper prints {row.printed[0][0]:g} and {row.printed[1][0]:g}."
+                f"τ under {row.error}: {_tau_words(row)}; the paper prints {row.printed[0][0]:g} "
+                f"and {row.printed[1][0]:g}."
+                + (
+                    f" Fitted to counts {closest.counts} it is {_tau_words(closest)}."
+                    if closest.counts != row.counts
+                    else ""
+                )
             )
     ratios = [row.ratio for row in counts if row.ratio is not None and row.n_foci is not None]
     if ratios:
@@ -263,6 +274,15 @@ def _answers(
             "paper does not state."
         )
     return answers
+
+
+def _tau_words(row: DecayRow) -> str:
+    if row.mha is None or row.qslim is None:
+        return "not known"
+    return (
+        f"{number(row.mha.mean)} ± {number(row.mha.deviation)} harmonics and "
+        f"{number(row.qslim.mean)} ± {number(row.qslim.deviation)} points"
+    )
 
 
 def _parameters(values: Values) -> Table:

@@ -55,7 +55,7 @@ def decay_table(rows: Sequence[DecayRow], caption: str) -> Table:
     return Table(
         caption,
         (
-            "Error",
+            "Error, counts fitted",
             "MHA, harmonics",
             "Qslim, points",
             "MHA / Qslim (95 %)",
@@ -201,7 +201,7 @@ def _decay_cells(row: DecayRow) -> tuple[str, ...]:
             number(test.effect, digits=2),
         )
     return (
-        row.error,
+        f"{row.error}, {row.counts}",
         _with_spread(row.mha),
         _with_spread(row.qslim),
         *tested,

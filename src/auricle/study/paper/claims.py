@@ -8,7 +8,13 @@ from itertools import pairwise
 import numpy as np
 
 from auricle.study.paper.statistics import PairedTest, summary
-from auricle.study.paper.tables import Values, counts_of, decay_rows, headline_decays
+from auricle.study.paper.tables import (
+    Values,
+    counts_of,
+    decay_rows,
+    decays_by_range,
+    headline_decays,
+)
 
 LOW_PASS_HARMONICS = 0.1
 """Share of the harmonics that "the first coefficients" are taken to be."""
@@ -253,14 +259,22 @@ def _quarter_thousand_is_enough(documents: Sequence[Values]) -> Claim:
 
 
 def _tested(documents: Sequence[Values], error: str) -> tuple[PairedTest | None, str]:
-    (row,) = (each for each in headline_decays(decay_rows(documents)) if each.error == error)
+    rows = decay_rows(documents)
+    (row,) = (each for each in headline_decays(rows) if each.error == error)
+    ranges = [each for each in decays_by_range(rows) if each.error == error and each.test]
     test = row.test
     if test is None:
         return None, "fewer than three cases have a τ of both methods"
     return test, (
         f"MHA {test.first.mean:.1f} ± {test.first.deviation:.1f}, Qslim {test.second.mean:.1f} ± "
         f"{test.second.deviation:.1f}; ratio {test.ratio:.2f} ({test.ratio_low:.2f} to "
-        f"{test.ratio_high:.2f}); {test.name}, p = {test.p_value:.2g}, n = {test.first.n}"
+        f"{test.ratio_high:.2f}); {test.name}, p = {test.p_value:.2g}, n = {test.first.n}. "
+        "Ratio and p by the counts fitted: "
+        + "; ".join(
+            f"{each.counts} {each.test.ratio:.2f}, {each.test.p_value:.2g}"
+            for each in ranges
+            if each.test
+        )
     )
 
 

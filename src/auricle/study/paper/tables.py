@@ -128,6 +128,28 @@ def headline_decays(rows: Sequence[DecayRow]) -> tuple[DecayRow, ...]:
     )
 
 
+def decays_by_range(rows: Sequence[DecayRow]) -> tuple[DecayRow, ...]:
+    """As `headline_decays`, for every range of counts: what τ owes to those it is fitted to."""
+    readings = {row.reading for row in headline_decays(rows)}
+    return tuple(row for row in rows if row.reading in readings and not row.with_floor)
+
+
+def nearest_by_range(rows: Sequence[DecayRow]) -> tuple[DecayRow, ...]:
+    """Of each error's ranges of counts the one whose τ come nearest to the printed two."""
+    found = decays_by_range(rows)
+    fitted = [row for row in found if None not in row.ratios]
+    return tuple(
+        min((row for row in fitted if row.error == error), key=_misfit)
+        for error in dict.fromkeys(row.error for row in fitted)
+    )
+
+
+def _misfit(row: DecayRow) -> float:
+    """Root mean square of ln(ours / printed) over both methods."""
+    logs = [np.log(ratio) for ratio in row.ratios if ratio is not None]
+    return float(np.sqrt(np.mean(np.square(logs))))
+
+
 def taus(
     documents: Sequence[Values], reading: str, counts: str, *, with_floor: bool
 ) -> dict[str, list[float | None]]:
