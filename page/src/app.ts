@@ -1,6 +1,6 @@
 /** The page as a whole: what is open, the way to the server, words to the user, the theme. */
 import { fromBase64, readBundle } from "./bundle";
-import { Connection, RequestError, type ServerEvent, type SessionInfo } from "./connection";
+import { Connection, RequestError, posted, type SessionInfo, type Stage as WorkStage } from "./connection";
 import { SurfaceCase } from "./surfacecase";
 
 export type Tone = "info" | "good" | "bad";
@@ -18,13 +18,17 @@ export interface App {
   send<T = unknown>(path: string, value: unknown, options?: RequestInit): Promise<T>;
   /** The same for an answer that is not JSON. */
   request(path: string, options?: RequestInit): Promise<Response>;
-  /** Hears a stream of events to its end; cancel by options.signal. */
-  stream(path: string, options: RequestInit, heard: (event: ServerEvent) => void): Promise<void>;
+  /** Sends a value to long work and waits for its result behind a bar with a button to cancel;
+   * undefined comes back if it was cancelled or failed, which the user has been told. */
+  work<T = unknown>(title: string, path: string, value: unknown): Promise<T | undefined>;
+  /** The same with the options of the request given (see `posted` and `uploaded`). */
+  workWith<T = unknown>(title: string, path: string, options: RequestInit): Promise<T | undefined>;
   /** Fetches the surface anew from GET /api/case and tells `onSurface`. */
   openSurface(): Promise<void>;
   /** Calls now, if a surface is open, and whenever another one is. Returns how to stop. */
   onSurface(heard: (surface: SurfaceCase) => void): () => void;
-  /** Asks the server anew what is open (GET /api/session) and offers the views that fit. */
+  /** Asks the server anew what is open (GET /api/page) and offers the views that fit; opens the
+   * surface anew where there is one. */
   refreshSession(): Promise<void>;
   /** Calls whenever the session or the theme has changed. Returns how to stop. */
   onChange(heard: () => void): () => void;
@@ -43,12 +47,14 @@ export interface Frame {
   toast(words: string, tone: Tone): void;
   announce(words: string): void;
   show(view: string): void;
+  /** Shows that something is being worked on, until `end`. */
+  working(title: string, cancel: () => void): { stage(stage: WorkStage): void; end(): void };
 }
 
 export class PageApp implements App {
   readonly connection = new Connection();
   mode: "served" | "exported" = "served";
-  session: SessionInfo = { views: [], title: "" };
+  session: SessionInfo = { views: [], name: "" };
   surface: SurfaceCase | null = null;
   frame: Frame | null = null;
   private surfaceListeners = new Set<(surface: SurfaceCase) => void>();
@@ -65,13 +71,12 @@ export class PageApp implements App {
     if (carried) {
       this.mode = "exported";
       const surface = new SurfaceCase(await readBundle(fromBase64(carried)));
-      this.session = { views: ["explore"], title: surface.name };
+      this.session = { views: ["explore"], name: surface.name };
       this.take(surface);
       return;
     }
-    this.session = await this.connection.begin();
-    this.changed();
-    if (this.session.views.includes("explore")) await this.openSurface();
+    await this.connection.begin();
+    await this.refreshSession();
   }
 
   get theme(): "light" | "dark" {
@@ -96,8 +101,21 @@ export class PageApp implements App {
     return this.connection.request(path, options);
   }
 
-  stream(path: string, options: RequestInit, heard: (event: ServerEvent) => void): Promise<void> {
-    return this.connection.stream(path, options, heard);
+  work<T = unknown>(title: string, path: string, value: unknown): Promise<T | undefined> {
+    return this.workWith<T>(title, path, posted(value));
+  }
+
+  workWith<T = unknown>(title: string, path: string, options: RequestInit): Promise<T | undefined> {
+    return this.attempt(async () => {
+      const stop = new AbortController();
+      const told = this.frame?.working(title, () => stop.abort());
+      try {
+        const watched = { ...options, signal: stop.signal };
+        return await this.connection.work<T>(path, watched, (stage) => told?.stage(stage));
+      } finally {
+        told?.end();
+      }
+    });
   }
 
   async openSurface(): Promise<void> {
@@ -106,7 +124,9 @@ export class PageApp implements App {
   }
 
   async refreshSession(): Promise<void> {
-    this.session = await this.connection.json<SessionInfo>("/api/session");
+    this.session = await this.connection.json<SessionInfo>("/api/page");
+    if (this.session.views.includes("explore")) await this.openSurface();
+    else this.surface = null;
     this.changed();
   }
 

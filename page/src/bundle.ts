@@ -1,10 +1,11 @@
 /** A case as it comes from the server or lies in an exported page: a header and its arrays.
  *
- * gzip of: "AURICLE1", length of the header (uint32, little-endian), the header (JSON, UTF-8),
- * then the arrays, each starting at a multiple of 8 bytes from the beginning of the data.
+ * gzip of: "AURC", length of the header (uint32, little-endian), the header (JSON, UTF-8), then
+ * the arrays in C order, each at a multiple of 8 bytes from the header's end
+ * (auricle.viewer.container writes it).
  */
 
-export type Numbers = Float32Array | Float64Array | Int16Array | Int32Array | Uint32Array | Uint16Array | Uint8Array;
+export type Numbers = Float32Array | Float64Array | Int16Array | Int32Array | Uint32Array | Uint16Array | Uint8Array | Int8Array;
 
 const KINDS = {
   float32: Float32Array,
@@ -14,11 +15,11 @@ const KINDS = {
   uint32: Uint32Array,
   uint16: Uint16Array,
   uint8: Uint8Array,
+  int8: Int8Array,
 } as const;
 
 interface ArrayEntry {
-  readonly name: string;
-  readonly kind: keyof typeof KINDS;
+  readonly dtype: keyof typeof KINDS;
   readonly shape: readonly number[];
   readonly offset: number;
 }
@@ -34,7 +35,8 @@ export interface Bundle {
   shape(name: string): readonly number[];
 }
 
-const MAGIC = "AURICLE1";
+const MAGIC = "AURC";
+const BEGIN = 8;
 
 export async function readBundle(compressed: Uint8Array): Promise<Bundle> {
   const source = new Blob([compressed as BlobPart]).stream();
@@ -42,27 +44,28 @@ export async function readBundle(compressed: Uint8Array): Promise<Bundle> {
   return unpacked(await new Response(plain).arrayBuffer());
 }
 
-function unpacked(bytes: ArrayBuffer): Bundle {
-  if (new TextDecoder().decode(bytes.slice(0, 8)) !== MAGIC)
+/** Reads a container that is not compressed. */
+export function unpacked(bytes: ArrayBuffer): Bundle {
+  if (new TextDecoder().decode(bytes.slice(0, 4)) !== MAGIC)
     throw new Error("these are not the data of a case");
-  const length = new DataView(bytes).getUint32(8, true);
-  const text = new TextDecoder().decode(bytes.slice(12, 12 + length));
-  const header = JSON.parse(text) as { arrays: ArrayEntry[] } & Record<string, unknown>;
-  const start = Math.ceil((12 + length) / 8) * 8;
-  const entries = new Map(header.arrays.map((entry) => [entry.name, entry]));
+  const length = new DataView(bytes).getUint32(4, true);
+  const start = BEGIN + length;
+  const text = new TextDecoder().decode(bytes.slice(BEGIN, start));
+  const header = JSON.parse(text) as { arrays: Record<string, ArrayEntry> };
+  const entries = new Map(Object.entries(header.arrays));
   const known = (name: string): ArrayEntry => {
     const entry = entries.get(name);
-    if (!entry) throw new Error(`the case holds no ${name}`);
+    if (!entry) throw new Error(`the data hold no ${name}`);
     return entry;
   };
   return {
-    header,
+    header: header as unknown as Record<string, unknown>,
     has: (name) => entries.has(name),
     shape: (name) => known(name).shape,
     array: <T extends Numbers>(name: string): T => {
-      const { kind, shape, offset } = known(name);
+      const { dtype, shape, offset } = known(name);
       const count = shape.reduce((product, side) => product * side, 1);
-      return new KINDS[kind](bytes, start + offset, count) as T;
+      return new KINDS[dtype](bytes, start + offset, count) as T;
     },
   };
 }

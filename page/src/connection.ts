@@ -1,6 +1,6 @@
 /** The way to the server that sent the page: every request carries the session's secret. */
 
-const KEPT = "auricle-session";
+const KEPT = "auricle-secret";
 
 export class RequestError extends Error {
   constructor(
@@ -11,19 +11,19 @@ export class RequestError extends Error {
   }
 }
 
-export interface ServerEvent {
-  readonly event: string;
-  readonly data: unknown;
+/** How far a long piece of work is. */
+export interface Stage {
+  readonly stage: string;
+  readonly done: number;
+  readonly total: number;
 }
 
-/** What the server has open, as `POST /api/session` answers. */
+/** What is open, as `GET /api/page` answers. */
 export interface SessionInfo {
-  /** For the header `Authorization: Bearer …` of all further requests. */
-  readonly secret?: string;
   /** Names of the views that have something to show: "explore", "plan", "segment", "cohort". */
   readonly views: readonly string[];
-  /** Words for the head of the page: the file's name. */
-  readonly title: string;
+  /** Words for the head of the page. */
+  readonly name: string;
   /** Anything further the views want to know. */
   readonly [key: string]: unknown;
 }
@@ -32,14 +32,13 @@ export class Connection {
   private secret = "";
 
   /** Exchanges the one-time token of the address for the session's secret. */
-  async begin(): Promise<SessionInfo> {
+  async begin(): Promise<void> {
     const token = new URLSearchParams(location.hash.slice(1)).get("token");
-    if (token) history.replaceState(null, "", location.pathname);
-    this.secret = token ?? sessionStorage.getItem(KEPT) ?? "";
-    const info = await this.json<SessionInfo>("/api/session", { method: "POST" });
-    if (info.secret) this.secret = info.secret;
+    this.secret = sessionStorage.getItem(KEPT) ?? "";
+    if (!token) return;
+    history.replaceState(null, "", location.pathname);
+    this.secret = (await this.send<{ secret: string }>("/api/session", { token })).secret;
     sessionStorage.setItem(KEPT, this.secret);
-    return info;
   }
 
   /** A request with the secret; throws a RequestError with the server's own words if refused. */
@@ -57,41 +56,43 @@ export class Connection {
 
   /** Sends a value as JSON and reads the answer as JSON. */
   async send<T>(path: string, value: unknown, options: RequestInit = {}): Promise<T> {
-    const headers = { "Content-Type": "application/json" };
-    return this.json<T>(path, { method: "POST", body: JSON.stringify(value), headers, ...options });
+    return this.json<T>(path, posted(value, options));
   }
 
-  /** Reads a stream of events (text/event-stream) to its end; JSON in `data:` is parsed. */
-  async stream(
-    path: string,
-    options: RequestInit,
-    heard: (event: ServerEvent) => void,
-  ): Promise<void> {
+  /** Starts long work, hears how far it is, and waits for its result; aborting cancels it. */
+  async work<T>(path: string, options: RequestInit, heard: (stage: Stage) => void): Promise<T> {
     const body = (await this.request(path, options)).body;
-    if (!body) return;
+    if (!body) throw new Error("the server sent no answer: try again");
     const reader = body.pipeThrough(new TextDecoderStream()).getReader();
     let rest = "";
     for (;;) {
       const { value, done } = await reader.read();
-      if (done) return;
-      const blocks = (rest + value.replaceAll("\r\n", "\n")).split("\n\n");
-      rest = blocks.pop() ?? "";
-      for (const block of blocks) {
-        const event = parsed(block);
-        if (event) heard(event);
+      if (done) throw new Error("the work ended without a result: try again");
+      const lines = (rest + value).split("\n");
+      rest = lines.pop() ?? "";
+      for (const line of lines.filter(Boolean)) {
+        const told = JSON.parse(line) as Partial<Stage> & { result?: T; error?: string };
+        if (told.error !== undefined) throw new RequestError(422, told.error);
+        if (told.result !== undefined) return told.result;
+        heard(told as Stage);
       }
     }
   }
 }
 
-function parsed(block: string): ServerEvent | null {
-  let event = "message";
-  const data: string[] = [];
-  for (const line of block.split("\n")) {
-    if (line.startsWith("event:")) event = line.slice(6).trim();
-    if (line.startsWith("data:")) data.push(line.slice(5).trimStart());
-  }
-  return data.length ? { event, data: JSON.parse(data.join("\n")) as unknown } : null;
+/** Options of a request that brings a value as JSON. */
+export function posted(value: unknown, options: RequestInit = {}): RequestInit {
+  const headers = { "Content-Type": "application/json" };
+  return { method: "POST", body: JSON.stringify(value), headers, ...options };
+}
+
+/** Options of a request that brings a file. */
+export function uploaded(file: File, options: RequestInit = {}): RequestInit {
+  const headers = {
+    "Content-Type": "application/octet-stream",
+    "X-File-Name": encodeURIComponent(file.name),
+  };
+  return { method: "POST", body: file, headers, ...options };
 }
 
 async function words(answer: Response): Promise<string> {

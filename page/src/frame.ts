@@ -1,5 +1,6 @@
 /** The frame around the views: head, tabs, messages, help, saved state, dropped files. */
 import { inWords, type Frame, type PageApp, type Tone } from "./app";
+import { uploaded, type Stage } from "./connection";
 import { fill, h, saveFile } from "./dom";
 import { views, type MountedView, type View } from "./registry";
 import { button } from "./widgets/panel";
@@ -76,6 +77,29 @@ export class PageFrame implements Frame {
     this.spoken.textContent = words;
   }
 
+  working(title: string, cancel: () => void): { stage(stage: Stage): void; end(): void } {
+    const bar = h("progress", { max: 1, "aria-label": title });
+    const words = h("p", { class: "note" }, "");
+    const box = h(
+      "dialog",
+      { class: "working", "aria-label": title },
+      h("h2", {}, title),
+      bar,
+      words,
+      button("Cancel", cancel),
+    );
+    box.addEventListener("cancel", cancel);
+    this.root.append(box);
+    box.showModal();
+    return {
+      stage: ({ stage, done, total }) => {
+        words.textContent = stage;
+        if (total > 0) bar.value = done / total;
+      },
+      end: () => box.remove(),
+    };
+  }
+
   private head(): HTMLElement {
     const theme = button("Theme", () => this.app.setTheme(this.app.theme === "dark" ? "light" : "dark"), {
       kind: "small",
@@ -124,8 +148,8 @@ export class PageFrame implements Frame {
   /** Tabs of what is open; the first of them if none is shown yet. */
   private refresh(): void {
     const offered = views().filter((view) => view.available(this.app));
-    this.title.textContent = this.app.session.title;
-    document.title = this.app.session.title ? `${this.app.session.title} – auricle` : "auricle";
+    this.title.textContent = this.app.session.name;
+    document.title = this.app.session.name ? `${this.app.session.name} – auricle` : "auricle";
     const alone = offered.length < 2;
     fill(
       this.tabs,
@@ -166,14 +190,22 @@ export class PageFrame implements Frame {
     const shown = this.mounted.get(this.current)?.view;
     if (shown?.dropped?.(files)) return;
     if ([...this.mounted.values()].some(({ view }) => view !== shown && view.dropped?.(files))) return;
-    this.toast(`${files[0].name} cannot be dropped here: open it with auricle view`, "bad");
+    if (this.app.mode === "exported")
+      this.toast(`${files[0].name} cannot be opened in an exported page: use auricle view`, "bad");
+    else void this.open(files[0]);
+  }
+
+  /** Opens a dropped file in place of what is open. */
+  private async open(file: File): Promise<void> {
+    const opened = await this.app.workWith(`Opening ${file.name}`, "/api/open", uploaded(file));
+    if (opened !== undefined) await this.app.attempt(() => this.app.refreshSession());
   }
 
   private save(): void {
     const states = [...this.mounted].map(([id, { view }]) => [id, view.saved?.() ?? null]);
     const state: State = {
       format: STATE_FORMAT,
-      surface: this.app.session.title,
+      surface: this.app.session.name,
       view: this.current,
       views: Object.fromEntries(states) as Record<string, unknown>,
     };
@@ -190,7 +222,7 @@ export class PageFrame implements Frame {
         this.mounted.get(id)?.view.restore?.(saved);
       }
       this.show(state.view);
-      if (state.surface !== this.app.session.title)
+      if (state.surface !== this.app.session.name)
         this.toast(`the state was saved with ${state.surface}, another file`, "info");
     });
   }
