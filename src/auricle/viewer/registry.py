@@ -1,7 +1,9 @@
 """Everything the page may ask of the server, gathered from the modules that answer."""
 
+from auricle.viewer.case_routes import ENDPOINTS as CASE
 from auricle.viewer.endpoints import Endpoint
 from auricle.viewer.page_routes import ENDPOINTS as PAGE
+from auricle.viewer.segment_routes import ENDPOINTS as SEGMENT
 
-ENDPOINTS: tuple[Endpoint, ...] = (*PAGE,)
+ENDPOINTS: tuple[Endpoint, ...] = (*PAGE, *CASE, *SEGMENT)
 """Each module of answers adds its own."""
