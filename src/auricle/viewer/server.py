@@ -1,13 +1,14 @@
 """The server behind the live page: one visitor, this machine only."""
 
 import asyncio
+import contextlib
 import json
 import secrets
 import shutil
 import socket
 import tempfile
 import urllib.parse
-from collections.abc import Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,8 @@ LARGEST_UPLOAD = 1024**3
 """Bytes of an uploaded file, unless told otherwise."""
 SECONDS_FOR_A_PART = 30.0
 """Longest wait for the next part of a request."""
+_DRAINED = 8 * 1024**2
+_SECONDS_TO_DRAIN = 1.0
 
 
 def application(
@@ -71,7 +74,7 @@ def application(
         body = await _body(request, LARGEST_DOCUMENT)
         secret = keys.exchange(_token_in(body))
         if secret is None:
-            raise HTTPException(403, "this link has been used or is old: run auricle view again")
+            raise HTTPException(401, "this link has been used or is old: run auricle view again")
         return JSONResponse({"secret": secret})
 
     routes = [
@@ -212,10 +215,11 @@ async def _store(request: Request, place: Path, largest: int) -> None:
 async def _receive(request: Request, largest: int, take: Callable[[bytes], object]) -> None:
     """Hand over the request's body part by part; refuse it as soon as it is too large."""
     announced = request.headers.get("content-length", "0")
+    stream = request.stream()
     if not announced.isdigit() or int(announced) > largest:
+        await _drain(stream)
         raise _too_large(largest)
     received = 0
-    stream = request.stream()
     while True:
         try:
             part = await asyncio.wait_for(anext(stream, None), SECONDS_FOR_A_PART)
@@ -227,8 +231,20 @@ async def _receive(request: Request, largest: int, take: Callable[[bytes], objec
             return
         received += len(part)
         if received > largest:
+            await _drain(stream)
             raise _too_large(largest)
         take(part)
+
+
+async def _drain(stream: AsyncIterator[bytes]) -> None:
+    """Let a little of what is refused pass unread: whoever still sends could not hear why."""
+    left = _DRAINED
+    with contextlib.suppress(TimeoutError, ClientDisconnect):
+        async with asyncio.timeout(_SECONDS_TO_DRAIN):
+            async for part in stream:
+                left -= len(part)
+                if left <= 0:
+                    return
 
 
 def _too_large(largest: int) -> HTTPException:
