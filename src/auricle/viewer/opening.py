@@ -16,6 +16,7 @@ from auricle.study.provenance import source_of
 from auricle.study.result import Source
 from auricle.surface.reading import read_surface
 from auricle.viewer.open_case import OpenCase, OpenStudy, Recording, opens, recordings_of
+from auricle.viewer.volume_session import volume_session
 from auricle.viewer.workspace import Workspace
 
 _LARGEST_RESULT = 64 * 2**20
@@ -32,8 +33,15 @@ class Detail:
     n_modes: int = N_MODES
 
 
-Parts = tuple[object, ...]
-Opener = Callable[[Path, Detail, Progress], Parts]
+@dataclass(frozen=True)
+class Opened:
+    """What a path became: a title that names nobody, and the parts of the workspace."""
+
+    title: str
+    parts: tuple[object, ...]
+
+
+Opener = Callable[[Path, Detail, Progress], Opened]
 
 
 def open_path(
@@ -63,13 +71,13 @@ def open_path(
         raise InputError(f"{path}: is not there: check the name")
     chosen = detail or Detail()
     try:
-        parts = _opener(path)(path, chosen, progress)
+        opened = _opener(path)(path, chosen, progress)
     except AuricleError as fault:
         if not str(fault).startswith(str(path)):
             fault.args = (f"{path}: {fault}",)
         raise
     with workspace.lock:
-        workspace.open(path.name, (chosen, *parts))
+        workspace.open(opened.title, (chosen, *opened.parts))
 
 
 def _opener(path: Path) -> Opener:
@@ -79,14 +87,14 @@ def _opener(path: Path) -> Opener:
     if path.is_dir() and (path / "result.json").is_file():
         return _result
     if is_volume(path):
-        raise InputError("a CT: find its atrium with auricle segment, then open the result")
+        return _volume
     if path.suffix.lower() in TABLES:
         raise InputError("a table of points: open their surface first, then load the table there")
     return _export if is_export(path) else _surface
 
 
-def _surface(path: Path, detail: Detail, progress: Progress) -> Parts:
-    return (case_of_surface(path, path.name, detail, progress=progress),)
+def _surface(path: Path, detail: Detail, progress: Progress) -> Opened:
+    return Opened(path.name, (case_of_surface(path, path.name, detail, progress=progress),))
 
 
 def case_of_surface(
@@ -112,7 +120,7 @@ def case_of_surface(
     return OpenCase(name, prepared, remarks=prepared.remarks)
 
 
-def _result(path: Path, detail: Detail, progress: Progress) -> Parts:
+def _result(path: Path, detail: Detail, progress: Progress) -> Opened:
     """A folder that analyze, plan, reconstruct or segment wrote."""
     place = next((path / name for name in _SURFACES if (path / name).is_file()), None)
     if place is None:
@@ -121,7 +129,7 @@ def _result(path: Path, detail: Detail, progress: Progress) -> Parts:
     samples = path / "samples.csv"
     if samples.is_file():
         case = replace(case, recordings=_recorded(path, samples))
-    return (case,)
+    return Opened(path.name, (case,))
 
 
 def _recorded(folder: Path, samples: Path) -> tuple[Recording, ...]:
@@ -144,15 +152,21 @@ def _document(place: Path) -> dict[str, object]:
     return found if isinstance(found, dict) else {}
 
 
-def _imported(path: Path, detail: Detail, progress: Progress) -> Parts:
+def _imported(path: Path, detail: Detail, progress: Progress) -> Opened:
     """A folder that import wrote: its first map with a surface."""
     place = next(iter(sorted(path.glob("map_*/surface.vtp"))), None)
     if place is None:
         raise InputError("this import holds no surface: open another")
-    return (case_of_surface(place, path.name, detail, progress=progress),)
+    return Opened(path.name, (case_of_surface(place, path.name, detail, progress=progress),))
 
 
-def _export(path: Path, detail: Detail, progress: Progress) -> Parts:
+def _volume(path: Path, _detail: Detail, progress: Progress) -> Opened:
+    """A CT, to be segmented; people name scans after patients, so its own name is not shown."""
+    session = volume_session(path, progress=progress)
+    return Opened(session.source.name, (session,))
+
+
+def _export(path: Path, detail: Detail, progress: Progress) -> Opened:
     """A vendor's export: the first map that has a surface, and the others to choose from."""
     progress("read export", 0, 1)
     study = read_export(path, signals=False)
@@ -161,7 +175,8 @@ def _export(path: Path, detail: Detail, progress: Progress) -> Parts:
     numbers = [number for number, one in enumerate(study.maps, start=1) if opens(one)]
     if not numbers:
         raise InputError("no map of this export has a surface: export one with its mesh")
-    return chosen_map(study, source, numbers[0], detail, progress=progress)
+    parts = chosen_map(study, source, numbers[0], detail, progress=progress)
+    return Opened(source.name, parts)
 
 
 def chosen_map(
