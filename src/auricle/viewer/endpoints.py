@@ -98,9 +98,13 @@ class Endpoint:
         From the request to a JSON object, bytes, or long work.
     takes_file
         Whether the request's body is a file to be stored.
+    locked
+        Whether it answers under the workspace's lock; what takes long does without, and locks for
+        the moments in which it reads and writes.
     """
 
     method: str
     address: str
     answer: Callable[[Call], Answer]
     takes_file: bool = False
+    locked: bool = True

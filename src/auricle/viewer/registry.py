@@ -2,8 +2,10 @@
 
 from auricle.viewer.case_routes import ENDPOINTS as CASE
 from auricle.viewer.endpoints import Endpoint
+from auricle.viewer.live_routes import ENDPOINTS as LIVE
 from auricle.viewer.page_routes import ENDPOINTS as PAGE
+from auricle.viewer.plan_routes import ENDPOINTS as PLAN
 from auricle.viewer.segment_routes import ENDPOINTS as SEGMENT
 
-ENDPOINTS: tuple[Endpoint, ...] = (*PAGE, *CASE, *SEGMENT)
+ENDPOINTS: tuple[Endpoint, ...] = (*PAGE, *CASE, *PLAN, *LIVE, *SEGMENT)
 """Each module of answers adds its own."""

@@ -175,7 +175,7 @@ async def _respond(
 
 async def _answered(endpoint: Endpoint, call: Call, request: Request) -> Response:
     def answer() -> Answer:
-        with call.workspace.lock:
+        with call.workspace.lock if endpoint.locked else contextlib.nullcontext():
             return endpoint.answer(call)
 
     try:
