@@ -86,7 +86,7 @@ def test_the_result_is_what_the_command_writes(session, path):
     assert case.source == commanded.source
     coarse = mask_on(preview.mask, session.volume).voxels
     fine = case.mask.voxels
-    assert 2 * (coarse & fine).sum() / (coarse.sum() + fine.sum()) > 0.95
+    assert 2 * (coarse & fine).sum() / (coarse.sum() + fine.sum()) > 0.93
 
 
 def test_the_page_gets_the_mask_the_session_found(session, tmp_path):

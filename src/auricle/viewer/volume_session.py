@@ -22,7 +22,9 @@ from auricle.study.result import Source
 from auricle.study.segmented import SegmentationConfig, SegmentedCase, source_of_volume, surfaced
 
 PREVIEW_MM = 2.0
-"""Spacing of the lattice of a preview, mm; a result has that of `SegmentationOptions`."""
+"""Spacing of the lattice of a preview, mm."""
+RESULT_MM = SegmentationOptions().step
+"""Spacing of the lattice of a result, mm: that of the command."""
 MOST_DRAWN = 12_000_000
 """Voxels the page draws slices from: 24 MB on the way to it."""
 FINEST_DRAWN_MM = 0.4
@@ -66,6 +68,8 @@ class VolumeSession:
         What the file is known by; of DICOM no name.
     shown
         What slices are drawn from: int16 HU, straight in LPS.
+    preview_mm, result_mm
+        Spacing of the lattices of a preview and of a result, mm.
 
     Attributes
     ----------
@@ -73,10 +77,20 @@ class VolumeSession:
         The case that was accepted last; None before.
     """
 
-    def __init__(self, volume: Volume, source: Source, shown: Volume) -> None:
+    def __init__(
+        self,
+        volume: Volume,
+        source: Source,
+        shown: Volume,
+        *,
+        preview_mm: float = PREVIEW_MM,
+        result_mm: float = RESULT_MM,
+    ) -> None:
         self.volume = volume
         self.source = source
         self.shown = shown
+        self.preview_mm = preview_mm
+        self.result_mm = result_mm
         self.accepted: SegmentedCase | None = None
         self._trials: dict[bool, OrderedDict[str, Trial]] = {
             True: OrderedDict(),
@@ -104,8 +118,8 @@ class VolumeSession:
                 "range_hu": [float(low), float(high)],
                 "orientation_known": volume.orientation_known,
                 "remarks": list(volume.remarks),
-                "preview_step_mm": PREVIEW_MM,
-                "result_step_mm": SegmentationOptions().step,
+                "preview_step_mm": self.preview_mm,
+                "result_step_mm": self.result_mm,
                 "accepted": self.accepted is not None,
             }
         }
@@ -156,20 +170,21 @@ class VolumeSession:
     def _segmented(
         self, config: SegmentationConfig, preview: bool, progress: Progress
     ) -> tuple[Segmentation | None, SegmentationError | None]:
-        options = config.options
-        if preview:
-            options = replace(options, step=PREVIEW_MM)
+        options = replace(config.options, step=self.preview_mm if preview else self.result_mm)
         try:
-            start = self._start(config, options, progress)
+            start = self._start(config, options, preview, progress)
             return segment(self.volume, options, start=start, progress=progress), None
         except SegmentationError as fault:
             return None, fault
 
     def _start(
-        self, config: SegmentationConfig, options: SegmentationOptions, progress: Progress
+        self,
+        config: SegmentationConfig,
+        options: SegmentationOptions,
+        preview: bool,
+        progress: Progress,
     ) -> Start:
         """Seed and filtered box: kept while only thresholds, vein stub or cutters change."""
-        preview = options.step == PREVIEW_MM
         which = [config.seed_mm, config.region_mm, config.region_depth_mm]
         key = _key({"start": which}, preview)
         kept = self._starts.get(preview)
