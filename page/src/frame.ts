@@ -119,8 +119,8 @@ export class PageFrame implements Frame {
       h(
         "div",
         { class: "head-tools" },
-        button("Save state", () => this.save(), { kind: "small", title: "Save how the page looks as a JSON file" }),
-        button("Restore", () => restore.click(), { kind: "small", title: "Restore a saved state" }),
+        button("Save", () => this.save(), { kind: "small", title: "Save the state of the page as a JSON file" }),
+        button("Restore", () => restore.click(), { kind: "small", title: "Restore a saved state of the page" }),
         restore,
         theme,
         button("?", () => this.showHelp(), { kind: "small", title: "Help and keys" }),

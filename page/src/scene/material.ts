@@ -9,7 +9,9 @@ attribute vec3 data;
 varying vec3 vData;
 varying vec3 vNormal;
 varying vec3 vPlace;
+varying vec3 vSeen;
 void main() {
+  vSeen = (modelViewMatrix * vec4(position, 1.0)).xyz;
   vData = data;
   vNormal = normalMatrix * normal;
   vPlace = (modelMatrix * vec4(position, 1.0)).xyz;
@@ -28,6 +30,8 @@ uniform float bare;
 uniform vec3 unknown;
 uniform vec3 plain;
 uniform vec4 clip;
+uniform float flatly;
+varying vec3 vSeen;
 varying vec3 vData;
 varying vec3 vNormal;
 varying vec3 vPlace;
@@ -56,14 +60,14 @@ vec3 mapped() {
 
 void main() {
   if (dot(vPlace, clip.xyz) > clip.w) discard;
-  vec3 n = normalize(vNormal);
+  vec3 n = flatly > 0.5 ? normalize(cross(dFdx(vSeen), dFdy(vSeen))) : normalize(vNormal);
   vec3 base = bare > 0.5 ? plain : (vData.z > 0.999 ? mapped() : unknown);
   if (!gl_FrontFacing) {
-    n = -n;
+    if (flatly < 0.5) n = -n;
     base = mix(base, vec3(0.35), 0.55) * 0.62;
   }
-  float light = 0.50 + 0.50 * max(dot(n, normalize(vec3(0.25, 0.45, 1.0))), 0.0);
-  gl_FragColor = vec4(base * light + 0.02, 1.0);
+  float light = 0.60 + 0.40 * max(dot(n, normalize(vec3(0.25, 0.45, 1.0))), 0.0);
+  gl_FragColor = vec4(base * light, 1.0);
 }`;
 
 /** Beyond all surfaces: nothing is cut away. */
@@ -85,6 +89,7 @@ export function surfaceMaterial(): ShaderMaterial {
       unknown: { value: new Vector3(...UNKNOWN).divideScalar(255) },
       plain: { value: new Vector3(0.80, 0.76, 0.71) },
       clip: { value: UNCUT },
+      flatly: { value: 0 },
     },
   });
 }

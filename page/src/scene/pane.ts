@@ -45,6 +45,7 @@ export class Pane {
   /** Shows another surface: positions (n, 3) in mm and faces (f, 3). It starts without colours. */
   setSurface(positions: Float32Array, faces: Uint32Array): void {
     const n = positions.length / 3;
+    this.geometry.dispose();
     this.positions = positions.slice();
     this.faces = faces;
     this.geometry.setAttribute("position", new BufferAttribute(this.positions, 3));
@@ -52,6 +53,7 @@ export class Pane {
     this.geometry.setAttribute("data", new BufferAttribute(new Float32Array(3 * n), 3));
     this.geometry.setIndex(new BufferAttribute(faces, 1));
     this.values = null;
+    this.scale = null;
     colourBy(this.material, null);
     if (this.edges) this.setEdges(true);
     this.movePositions(positions);
@@ -98,8 +100,16 @@ export class Pane {
     this.changed();
   }
 
+  /** Shades each face by itself, so that one sees the faces there are. */
+  setFlat(on: boolean): void {
+    this.material.uniforms["flatly"].value = on ? 1 : 0;
+    this.changed();
+  }
+
   /** Draws the edges of the faces. */
   setEdges(on: boolean): void {
+    if (on && this.edges?.geometry.getAttribute("position") === this.geometry.getAttribute("position")) return;
+    if (!on && !this.edges) return;
     if (this.edges) {
       this.scene.remove(this.edges);
       this.edges.geometry.dispose();

@@ -86,6 +86,13 @@ export class Stage {
     return pane;
   }
 
+  /** Puts the pictures into this order. */
+  arrange(panes: readonly Pane[]): void {
+    this.panes.splice(0, this.panes.length, ...panes);
+    this.captions.replaceChildren(...panes.map((pane) => pane.caption));
+    this.resize();
+  }
+
   removePane(pane: Pane): void {
     this.panes.splice(this.panes.indexOf(pane), 1);
     pane.dispose();
@@ -143,6 +150,12 @@ export class Stage {
     this.drawn?.();
   }
 
+  /** Waits until the picture last drawn is there. */
+  finish(): void {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
   /** Waits until the pixels are there and returns a sum over them, for tests and timing. */
   pixels(): { sum: number; width: number; height: number } {
     this.drawNow();
@@ -172,6 +185,15 @@ export class Stage {
     if (!box) return null;
     const at = new Vector3(...position).project(this.orbit.placed(box.width, box.height));
     return { x: box.left + ((at.x + 1) / 2) * box.width, y: box.top + ((1 - at.y) / 2) * box.height };
+  }
+
+  /** The captions and where they stand, pixels of the page. */
+  captionPlaces(): { text: string; x: number; y: number }[] {
+    return this.boxes().map((box, place) => ({
+      text: this.panes[place].caption.textContent ?? "",
+      x: box.left + 12,
+      y: box.top + 22,
+    }));
   }
 
   dispose(): void {

@@ -75,6 +75,7 @@ export class Choice {
 export class NumberField {
   readonly element: HTMLElement;
   readonly input: HTMLInputElement;
+  private readonly unit = h("span", { class: "unit" });
 
   constructor(
     label: string,
@@ -92,8 +93,14 @@ export class NumberField {
       "div",
       { class: "row" },
       h("label", { for: id }, label),
-      h("span", { class: "with-unit" }, this.input, unit && h("span", { class: "unit" }, unit)),
+      h("span", { class: "with-unit" }, this.input, this.unit),
     );
+    this.setUnit(unit);
+  }
+
+  setUnit(unit: string): void {
+    this.unit.textContent = unit;
+    this.unit.hidden = !unit;
   }
 
   get value(): number {

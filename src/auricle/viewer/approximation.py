@@ -12,7 +12,7 @@ from auricle.surface.soundness import vertex_areas
 from auricle.viewer.shown_signal import ShownSignal
 
 COUNTS = (5, 10, 20, 35, 50, 75, 100, 150, 250, 350, 500)
-"""Numbers of harmonics and of points at which the distance is measured."""
+"""Numbers of harmonics and of points at which the distance is measured, and at the last one."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def harmonic_distances(
     progress
         Told how many are measured.
     """
-    counts = [count for count in COUNTS if count <= geometry.n_modes]
+    counts = _counts(COUNTS[0], geometry.n_modes)
     found = []
     for place, count in enumerate(counts):
         progress("distances", place, len(counts))
@@ -82,9 +82,13 @@ def point_distances(
     progress
         Told how many are measured.
     """
-    counts = [count for count in COUNTS if sequence.n_least <= count <= most]
+    counts = _counts(sequence.n_least, min(most, sequence.mesh.n_vertices))
     found = []
     for place, count in enumerate(counts):
         progress("distances", place, len(counts))
         found.append(MeasuredDistance(count, mean_distance(sequence.mesh, sequence.mesh_at(count))))
     return tuple(found)
+
+
+def _counts(least: int, most: int) -> list[int]:
+    return [count for count in COUNTS if least <= count < most] + [most] * (least <= most)

@@ -23,6 +23,7 @@ from auricle.viewer.container import packed
 from auricle.viewer.shown_signal import ShownSignal, shown_signal
 
 BUNDLE_FORMAT = "auricle page case 1"
+_UNITS = UNITS | {"lat": "ms"}
 _LARGEST = 32767
 _COMPRESSION = 5
 
@@ -207,4 +208,5 @@ def _field_entry(field: FieldMap, fault: str, signals: Sequence[ShownSignal]) ->
 
 
 def _unit(field: FieldMap) -> str:
-    return field.unit or UNITS.get(field.name, "")
+    """As the file states it, else that of the quantity OpenEP calls so."""
+    return field.unit or _UNITS.get(field.name.lower(), "")
