@@ -33,6 +33,8 @@ FLAGS = [
     "--no-first-run",
 ]
 """Software drawing, and a browser that calls nobody."""
+SECONDS_TO_WAIT = 120
+"""For anything in the browser: patience for busy machines."""
 
 
 @dataclass(frozen=True)
@@ -124,8 +126,15 @@ class Browsing:
 
     def open(self, address: str) -> Any:
         self.page.goto(address)
-        self.page.wait_for_selector("html[data-ready=true]", timeout=60_000)
+        self.page.wait_for_selector("html[data-ready=true]", timeout=1000 * SECONDS_TO_WAIT)
         return self.page
+
+    def until(self, expression: str) -> None:
+        """Waits until a JavaScript expression is true (the page's policy bars doing it there)."""
+        end = time.monotonic() + SECONDS_TO_WAIT
+        while not self.page.evaluate(expression):
+            assert time.monotonic() < end, f"never true: {expression}"
+            self.page.wait_for_timeout(30)
 
     def violations(self) -> list[str]:
         """What axe finds wrong for people who cannot see the page or use a mouse."""
@@ -144,7 +153,7 @@ def browsing(chromium: Any) -> Iterator[Browsing]:
     """A new tab of 1280×760; the test fails if its console shows an error."""
     context = chromium.new_context(viewport={"width": 1280, "height": 760})
     page = context.new_page()
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(1000 * SECONDS_TO_WAIT)
     complaints: list[str] = []
     page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)
     page.on("pageerror", lambda fault: complaints.append(str(fault)))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from auricle.errors import InputError
 from auricle.progress import Progress
+from auricle.sampling.samples import Samples
 from auricle.sampling.samples_file import read_samples
 from auricle.viewer.container import packed
 from auricle.viewer.endpoints import Call, Endpoint, Work
@@ -42,6 +43,23 @@ def add(call: Call) -> bytes:
     live = _live(call.workspace)
     live.add(np.array(position, dtype=float), float(str(value)))
     return _state(live)
+
+
+def take_all(call: Call) -> bytes:
+    """Take these samples in place of all others: ``{positions: [[x, y, z], …], values: […]}``."""
+    told = call.document()
+    live = _live(call.workspace)
+    try:
+        positions = np.array(told.get("positions"), dtype=float).reshape(-1, 3)
+        values = np.array(told.get("values"), dtype=float).reshape(-1)
+    except (TypeError, ValueError) as fault:
+        raise InputError("samples are positions, three numbers each, and values") from fault
+    fresh = LiveMap(live.prepared, live.aim)
+    fresh.load(Samples(positions, values, name=live.aim.name, unit=live.aim.unit))
+    fresh.redo(len(values))
+    fresh.refit()
+    call.workspace.put(fresh)
+    return _state(fresh)
 
 
 def go_to(call: Call) -> bytes:
@@ -235,6 +253,7 @@ ENDPOINTS = (
     Endpoint("GET", "/api/live", state),
     Endpoint("POST", "/api/live", begin),
     Endpoint("POST", "/api/live/add", add),
+    Endpoint("POST", "/api/live/samples", take_all),
     Endpoint("POST", "/api/live/go-to", go_to),
     Endpoint("POST", "/api/live/table", load_table, takes_file=True),
     Endpoint("POST", "/api/live/play", play),

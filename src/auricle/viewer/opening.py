@@ -15,6 +15,8 @@ from auricle.study.preparation import N_MODES, N_VERTICES, prepare_soup
 from auricle.study.provenance import source_of
 from auricle.study.result import Source
 from auricle.surface.reading import read_surface
+from auricle.viewer.cohort_files import is_cohort
+from auricle.viewer.cohort_session import cohort_session
 from auricle.viewer.open_case import OpenCase, OpenStudy, Recording, opens, recordings_of
 from auricle.viewer.volume_session import volume_session
 from auricle.viewer.workspace import Workspace
@@ -82,6 +84,8 @@ def open_path(
 
 def _opener(path: Path) -> Opener:
     """What opens a path: a command's folder before a CT before an export before a surface."""
+    if is_cohort(path):
+        return _cohort
     if path.is_dir() and (path / "summary.json").is_file():
         return _imported
     if path.is_dir() and (path / "result.json").is_file():
@@ -158,6 +162,11 @@ def _imported(path: Path, detail: Detail, progress: Progress) -> Opened:
     if place is None:
         raise InputError("this import holds no surface: open another")
     return Opened(path.name, (case_of_surface(place, path.name, detail, progress=progress),))
+
+
+def _cohort(path: Path, _detail: Detail, progress: Progress) -> Opened:
+    """The folder of a study of many cases."""
+    return Opened(path.name, (cohort_session(path, progress=progress),))
 
 
 def _volume(path: Path, _detail: Detail, progress: Progress) -> Opened:
