@@ -25,7 +25,7 @@ interface State {
 export class PageFrame implements Frame {
   private readonly mounted = new Map<string, { root: HTMLElement; view: MountedView }>();
   private readonly tabs = h("nav", { class: "tabs", "aria-label": "Views" });
-  private readonly title = h("span", { class: "case-name" });
+  private readonly title = h("h1", { class: "case-name" });
   private readonly stageRoot = h("main", { id: "view", tabindex: -1 });
   private readonly toasts = h("div", { class: "toasts", role: "status", "aria-live": "polite" });
   private readonly spoken = h("div", { class: "unseen", role: "status", "aria-live": "polite" });
