@@ -4,14 +4,16 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pydicom
 import pytest
 
+from auricle.imaging.dicom_writing import write_dicom_series
 from auricle.imaging.segmentation import segment
 from auricle.imaging.verdict import REMEDIES
 from auricle.simulation.phantom import PhantomOptions, phantom
 from auricle.study.result import Source
 from auricle.study.segmented import SegmentationConfig
-from auricle.viewer.opening import Detail
+from auricle.viewer.opening import Detail, open_path
 from auricle.viewer.volume_session import VolumeSession, drawn_lattice
 
 PREVIEW_MM, RESULT_MM = 3.0, 2.5
@@ -200,3 +202,47 @@ def test_a_result_is_accepted_once_looked_at_and_opens_as_a_surface(page, sessio
         page.get_by_role("button", name="result.json").click()
     document = json.loads(saved.value.path().read_text(encoding="utf-8"))
     assert document["mask_volume_ml"] == pytest.approx(session.accepted.mask.volume_ml)
+
+
+def test_cancelling_leaves_the_preview_and_frees_the_server(serve, browsing, patient):
+    source = Source("scan.nrrd", 1, "0" * 64)
+    shown = drawn_lattice(patient.volume)
+    session = VolumeSession(patient.volume, source, shown, preview_mm=PREVIEW_MM)
+    server = serve(session)
+    page = browsing.open(server.address)
+    previewed(page)
+    page.get_by_role("button", name="Segment", exact=True).click()
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("button", name="Cancel").wait_for(state="hidden")
+    assert fact(page, "kind") == "preview at 3 mm"
+    assert server.workspace.busy.acquire(timeout=60)
+    server.workspace.busy.release()
+    assert page.get_by_role("button", name="Accept").is_disabled()
+    assert session.accepted is None
+
+
+def test_nobody_s_name_is_on_the_page_of_a_dicom_series(serve, browsing, patient, tmp_path):
+    folder = tmp_path / "CANARYNAME^ANNA 19530412"
+    write_dicom_series(patient.volume, folder)
+    for place in folder.iterdir():
+        header = pydicom.dcmread(place)
+        header.PatientName, header.PatientID = "CANARYNAME^ANNA", "CANARYID"
+        header.PatientBirthDate, header.InstitutionName = "19530412", "CANARYHOSPITAL"
+        header.SeriesDescription = "CANARYNAME heart"
+        header.save_as(place)
+    server = serve()
+    open_path(server.workspace, folder)
+    answers = []
+    browsing.page.on("response", lambda answer: answers.append(answer))
+    page = browsing.open(server.address)
+    page.wait_for_selector("[data-fact=kind]:text-is('preview at 2 mm')")
+    told = page.content() + page.title() + "".join(each.text() for each in answers if is_text(each))
+    assert "DICOM series" in told
+    for canary in ("CANARY", "19530412", "ANNA"):
+        assert canary not in told
+
+
+def is_text(answer):
+    return "json" in answer.headers.get("content-type", "") or "event" in answer.headers.get(
+        "content-type", ""
+    )

@@ -75,7 +75,6 @@ export class Controls {
     this.segment = button("Segment", () => actions.segment(), { kind: "primary", title: "Find the atrium at full resolution" });
     this.acceptButton = button("Accept", () => actions.accept(), { kind: "primary", title: "Draw the surface and open it" });
     this.files = FILES.map(([name, type]) => button(name, () => void this.save(name, type), { kind: "small", title: `Save ${name} of the accepted atrium` }));
-    for (const file of this.files) file.disabled = true;
     this.element = this.laidOut();
     this.choose("look");
   }
@@ -90,6 +89,7 @@ export class Controls {
   }
 
   describe(info: VolumeInfo): void {
+    for (const file of this.files) file.disabled = !info.accepted;
     const size = info.shape.join(" × ");
     this.facts.clear();
     this.facts.set("CT", info.name, "name");

@@ -77,6 +77,14 @@ export class History {
     this.changed();
   }
 
+  /** Forgets everything: another CT is open. */
+  reset(): void {
+    this.past = [];
+    this.future = [];
+    this.passing = null;
+    this.settled = NO_EDITS;
+  }
+
   undo(): void {
     this.step(this.past, this.future);
   }

@@ -26,6 +26,8 @@ export interface VolumeInfo {
   readonly remarks: readonly string[];
   readonly preview_step_mm: number;
   readonly result_step_mm: number;
+  /** Whether an atrium of this CT has been accepted. */
+  readonly accepted: boolean;
 }
 
 const RESULT: Vec3 = [255, 210, 63];
@@ -51,7 +53,7 @@ class SegmentView implements MountedView {
     ["Ctrl Z, Ctrl Y", "undo, redo"],
   ] as const;
   private readonly history = new History(() => this.edited());
-  private readonly trials: Trials;
+  private trials: Trials;
   private readonly tool = new Tool();
   private readonly controls: Controls;
   private readonly histogram = new HistogramFigure();
@@ -117,6 +119,7 @@ class SegmentView implements MountedView {
     fill(this.root, h("p", { class: "welcome" }, "Reading slices …"));
     await this.app.attempt(async () => {
       const info = this.app.session["volume"] as VolumeInfo;
+      this.startAfresh();
       const answer = await this.app.request("/api/segment/voxels");
       const voxels = new Int16Array(await answer.arrayBuffer());
       this.opened = info;
@@ -125,6 +128,14 @@ class SegmentView implements MountedView {
       this.whole();
       this.edited();
     });
+  }
+
+  /** Nothing chosen or found for one CT is carried to the next. */
+  private startAfresh(): void {
+    this.trials.close();
+    this.trials = new Trials(this.app, () => this.tried());
+    this.history.reset();
+    this.following = true;
   }
 
   private build(info: VolumeInfo): void {

@@ -46,11 +46,18 @@ export class Trials {
   busy = false;
   private readonly results = new Map<string, Trial>();
   private wished: Edits | null = null;
+  private readonly last = new AbortController();
 
   constructor(
     private readonly app: App,
     private readonly changed: () => void,
   ) {}
+
+  /** Hears of nothing any more: another CT is open. */
+  close(): void {
+    this.wished = null;
+    this.last.abort();
+  }
 
   /** The result of these edits, if it was found before. */
   result(edits: Edits): Trial | null {
@@ -84,15 +91,17 @@ export class Trials {
       this.wished = null;
       if (this.preview?.edits === editsKey(edits)) continue;
       try {
-        const document = await this.app.send<TrialDocument>("/api/segment/preview", { config: edits });
+        const { signal } = this.last;
+        const document = await this.app.send<TrialDocument>("/api/segment/preview", { config: edits }, { signal });
         this.preview = await this.taken(edits, document);
         fault = undefined;
       } catch (caught) {
         fault = caught;
       }
-      this.changed();
+      if (!this.last.signal.aborted) this.changed();
     }
     this.busy = false;
+    if (this.last.signal.aborted) return;
     if (fault !== undefined) this.app.toast(inWords(fault), "bad");
     this.changed();
   }
