@@ -54,6 +54,7 @@ export class Controls {
   private readonly overlay = new Toggle("Atrium", true, () => this.actions.redraw(), "Show the atrium over the slices");
   private readonly tint = new Toggle("Thresholds", false, () => this.actions.redraw(), "Tint what lies between the thresholds");
   private shownTrial: Trial | null = null;
+  private listed: Edits["cuts_mm"] | null = null;
 
   constructor(
     private readonly app: App,
@@ -150,6 +151,8 @@ export class Controls {
   }
 
   private listCuts(edits: Edits): void {
+    if (edits.cuts_mm === this.listed) return;
+    this.listed = edits.cuts_mm;
     const remove = (place: number): void => this.actions.history.set({ cuts_mm: edits.cuts_mm.filter((_, each) => each !== place) });
     fill(
       this.cuts,

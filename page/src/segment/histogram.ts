@@ -22,13 +22,23 @@ export class HistogramFigure {
   private readonly title = h("span", {}, "CT numbers in the region");
   private counts: Float64Array = new Float64Array(N_BINS);
   private boxed = "";
+  private drawn = "";
 
   constructor() {
     this.element = h("figure", { class: "slice histogram" }, h("figcaption", {}, this.title), this.drawing);
   }
 
+  /** Counts anew: another CT is open. */
+  reset(): void {
+    this.boxed = "";
+    this.drawn = "";
+  }
+
   show(volume: Lattice<Int16Array>, box: readonly [Vec3, Vec3], levels: readonly Level[]): void {
     const key = JSON.stringify(box);
+    const told = key + JSON.stringify(levels);
+    if (told === this.drawn) return;
+    this.drawn = told;
     if (key !== this.boxed) this.counts = histogram(volume, box, LOW, WIDTH, N_BINS);
     this.boxed = key;
     const most = Math.max(...this.counts.slice(1), 1);

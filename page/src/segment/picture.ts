@@ -26,7 +26,7 @@ export interface Greys {
 
 const OUTSIDE = -1;
 const TINT = 0.22;
-const WITHIN: Vec3 = [255, 176, 0];
+const WITHIN: Vec3 = [226, 92, 170];
 
 /** For each pixel of a row or column: offsets of the two voxels it lies between, and the share of the second. */
 interface Run {

@@ -135,6 +135,7 @@ class SegmentView implements MountedView {
     this.trials.close();
     this.trials = new Trials(this.app, () => this.tried());
     this.history.reset();
+    this.histogram.reset();
     this.following = true;
   }
 
