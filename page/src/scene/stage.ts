@@ -40,12 +40,20 @@ export class Stage {
   hovered: ((place: PickedInPane | null, x: number, y: number) => void) | null = null;
   /** Called after each drawing. */
   drawn: (() => void) | null = null;
-  readonly draw = onceAFrame(() => this.drawNow());
+  /** Draws with the next frame, unless it has been drawn by then. */
+  readonly draw = (): void => {
+    this.stale = true;
+    this.drawSoon();
+  };
   private readonly renderer: WebGLRenderer;
   private readonly cube: OrientationCube;
   private readonly captions = h("div", { class: "pane-captions" });
   private readonly observer: ResizeObserver;
   private cut: Cut | null = null;
+  private stale = true;
+  private readonly drawSoon = onceAFrame(() => {
+    if (this.stale) this.drawNow();
+  });
 
   /** `label` says to screen readers what the picture is. `space` is "LPS" or "unknown". */
   constructor(host: HTMLElement, label: string, space = "unknown") {
@@ -135,6 +143,7 @@ export class Stage {
   drawNow(): void {
     const { renderer } = this;
     const { height } = this.size();
+    this.stale = false;
     const plane = this.plane();
     renderer.setScissorTest(false);
     renderer.clear();
