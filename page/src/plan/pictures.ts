@@ -63,7 +63,7 @@ export class Pictures {
     const unit = state?.unit ?? "";
     this.left.setValues(map, scale);
     this.left.setCaption(map ? `Map from ${state?.n_taken} samples` : "No map yet");
-    this.bar.show(map ? scale : null, state?.name ?? "", unit);
+    this.bar.show(map ? scale : null, (state?.name ?? "").replaceAll("_", " "), unit);
     if (this.right) this.showRight(this.right, live, shown, scale);
     for (const pane of [this.left, ...(this.right ? [this.right] : [])]) {
       pane.setPoints("planned", shown.planned && { positions: shown.planned, colours: PLANNED, size: 8 });
@@ -105,7 +105,7 @@ export class Pictures {
       const waves = planned ? shown.plannedWavelengths : (judgement?.wavelengths ?? null);
       put(planned ? "Finest wavelength of the plan" : "Finest wavelength supported", waves, waves && fromZero(waves, "viridis"), "wavelength", "mm", "none");
     } else if (shown.beside === "truth") {
-      put(truth ? "The true map" : "No true map", truth?.values ?? null, truth && (mapScale ?? this.ownScale(truth.values, shown.palette)), truth?.name ?? "", truth?.unit ?? "");
+      put(truth ? "The true map" : "No true map", truth?.values ?? null, truth && (mapScale ?? this.ownScale(truth.values, shown.palette)), (truth?.name ?? "").replaceAll("_", " "), truth?.unit ?? "");
     } else {
       const error = truth && state?.mean ? difference(state.mean, truth.values, state.cycle_length_ms) : null;
       put("Error against the true map", error, error && fromZero(error, "distance"), "error", unit);

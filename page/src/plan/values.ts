@@ -22,7 +22,7 @@ export class ValueSource {
     changed: () => void,
   ) {
     this.typed = new NumberField("Value", () => undefined, { value: 0 });
-    this.noise = new NumberField("Noise of a value", changed, { min: 0 });
+    this.noise = new NumberField("Noise of a value", changed, { min: 0, unit: " " });
     this.noise.input.placeholder = "unknown";
     this.cycle = new NumberField("Cycle length", changed, { unit: "ms", min: 0 });
     this.cycle.input.placeholder = "does not wrap";
@@ -83,6 +83,8 @@ export class ValueSource {
 
   private settle(): void {
     this.typed.element.hidden = this.truth !== null;
+    const unit = this.noise.element.querySelector(".unit");
+    if (unit) unit.textContent = this.truth?.unit ?? "";
   }
 }
 

@@ -19,7 +19,7 @@ export class VerdictBox {
       this.element,
       h("p", { class: "verdict-head" }, h("strong", { "data-fact": "verdict" }, head), taken && judged && !current ? ` after ${judged.n_taken} samples` : ""),
       !taken && h("p", { class: "note" }, "Click on the surface to take one, load a table, or play back a study."),
-      reasons.length ? h("ul", { class: "reasons" }, ...reasons.map((reason) => h("li", {}, reason))) : null,
+      reasons.length ? h("ul", { class: "why" }, ...reasons.map((reason) => h("li", {}, reason))) : null,
       h(
         "dl",
         { class: "counts" },
