@@ -38,7 +38,8 @@ export class Plot {
   private options: PlotOptions | null = null;
   private readonly heading = h("figcaption", {});
   private readonly host = h("div", { class: "plot-host" });
-  private readonly line = svg("line", { class: "marker" });
+  /** Apart from the drawing, so that moving it draws nothing anew. */
+  private readonly line = h("div", { class: "marker" });
   private marked: number | null = null;
 
   constructor() {
@@ -57,10 +58,9 @@ export class Plot {
   mark(x: number): void {
     this.marked = x;
     const { options } = this;
+    this.line.hidden = false;
     if (!options || !this.line.isConnected) return;
-    const at = this.across(options.x)(x);
-    this.line.setAttribute("x1", String(at));
-    this.line.setAttribute("x2", String(at));
+    this.line.style.transform = `translateX(${this.across(options.x)(x) - 0.75}px)`;
   }
 
   private get width(): number {
@@ -85,12 +85,12 @@ export class Plot {
       { width: this.width, height: this.height, role: "img", "aria-label": described(options) },
       ...this.grid(options, x, y),
       ...options.series.flatMap((series) => drawn(series, x, y, this.height - BOTTOM, TOP)),
-      this.line,
     );
-    this.line.setAttribute("y1", String(TOP));
-    this.line.setAttribute("y2", String(this.height - BOTTOM));
+    this.line.style.top = `${TOP}px`;
+    this.line.style.height = `${this.height - BOTTOM - TOP}px`;
+    this.line.hidden = this.marked === null;
     if (options.picked) this.listen(drawing, options.x, options.picked);
-    fill(this.host, drawing);
+    fill(this.host, drawing, this.line);
     if (this.marked !== null) this.mark(this.marked);
   }
 

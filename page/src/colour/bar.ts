@@ -11,9 +11,13 @@ const MOST_TICKS = 14;
 
 export class ColourBar {
   readonly element = h("figure", { class: "colour-bar" });
+  private shown = "";
 
   /** Shows a scale; `unknown` says what is grey, if anything is. Null hides the bar. */
   show(scale: ColourScale | null, title: string, unit: string, unknown = ""): void {
+    const next = JSON.stringify([scale, title, unit, unknown]);
+    if (next === this.shown) return;
+    this.shown = next;
     this.element.hidden = scale === null;
     if (!scale) return;
     const label = unit ? `${title} (${unit})` : title;

@@ -18,27 +18,34 @@ export function showNumbers(
   measured: Measured,
 ): void {
   const shape = surface.signals[0];
-  facts.clear();
-  facts.set("Shape error, RMS", withUnit(measured.shape, "mm", 4), "shape-rms");
-  facts.set("Power of the shape", percent(shape.share[count - 1]), "shape-share");
-  if (map) {
-    facts.set("Map error, RMS", withUnit(measured.map, map.errorUnit, 4), "map-rms");
-    facts.set("Map error, relative", percent(measured.map / map.spread), "map-nrmse");
-    facts.set("Power of the map", percent(map.share[count - 1]), "map-share");
-  }
-  facts.set("Shortest wavelength", withUnit(wavelength(surface, count), "mm"), "wavelength");
-  facts.set(`Distance, ${count} harmonics`, distance(surface.harmonicDistances, count), "gd-harmonics");
-  facts.set(`Distance, ${count} points`, distance(surface.pointDistances, count), "gd-points");
+  facts.show([
+    ["Shape error, RMS", withUnit(measured.shape, "mm", 4), "shape-rms"],
+    ["Power of the shape", percent(shape.share[count - 1]), "shape-share"],
+    ...(map ? mapNumbers(map, count, measured.map) : []),
+    ["Shortest wavelength", withUnit(wavelength(surface, count), "mm"), "wavelength"],
+    [`Distance, ${count} harmonics`, distance(surface.harmonicDistances, count), "gd-harmonics"],
+    [`Distance, ${count} points`, distance(surface.pointDistances, count), "gd-points"],
+  ]);
+}
+
+function mapNumbers(map: Signal, count: number, error: number): [string, string, string][] {
+  return [
+    ["Map error, RMS", withUnit(error, map.errorUnit, 4), "map-rms"],
+    ["Map error, relative", percent(error / map.spread), "map-nrmse"],
+    ["Power of the map", percent(map.share[count - 1]), "map-share"],
+  ];
 }
 
 /** Numbers of a single harmonic. */
 export function showHarmonic(facts: Facts, surface: SurfaceCase, map: Signal | null, number: number): void {
   const share = (signal: Signal): string => percent(powerShare(signal)[number - 1]);
-  facts.clear();
-  facts.set("Eigenvalue", withUnit(surface.eigenvalues[number - 1], "1/mm²"), "eigenvalue");
-  facts.set("Wavelength", withUnit(wavelength(surface, number), "mm"), "wavelength");
-  facts.set("Power of the shape in it", share(surface.signals[0]), "shape-share");
-  if (map) facts.set("Power of the map in it", share(map), "map-share");
+  const entries: [string, string, string][] = [
+    ["Eigenvalue", withUnit(surface.eigenvalues[number - 1], "1/mm²"), "eigenvalue"],
+    ["Wavelength", withUnit(wavelength(surface, number), "mm"), "wavelength"],
+    ["Power of the shape in it", share(surface.signals[0]), "shape-power"],
+  ];
+  if (map) entries.push(["Power of the map in it", share(map), "map-power"]);
+  facts.show(entries);
 }
 
 /** Wavelength of harmonic number `count`, mm: 2π/√λ; infinite for a constant one. */

@@ -170,6 +170,20 @@ export class Slider {
 export class Facts {
   readonly element = h("dl", { class: "facts" });
   private readonly places = new Map<string, HTMLElement>();
+  private shown = "";
+
+  /** Shows these and no others; what stays the same is left alone, so little is drawn anew. */
+  show(entries: readonly (readonly [name: string, value: string, key: string])[]): void {
+    const keys = entries.map(([, , key]) => key).join(" ");
+    if (keys !== this.shown) this.clear();
+    this.shown = keys;
+    entries.forEach(([name, value, key], at) => {
+      const row = this.element.children[at] ?? this.element.appendChild(h("div", {}, h("dt", {}), h("dd", { "data-fact": key })));
+      const [label, number] = row.children;
+      if (label.textContent !== name) label.textContent = name;
+      if (number.textContent !== value) number.textContent = value;
+    });
+  }
 
   set(name: string, value: string, key = ""): void {
     let place = this.places.get(name);
