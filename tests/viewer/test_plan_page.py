@@ -149,7 +149,7 @@ def test_the_state_is_saved_and_restored(planning: Any, browsing: Any, tmp_path:
         click_on_the_surface(page, across, down)
         taken(browsing, index + 1)
     with page.expect_download() as saving:
-        page.get_by_role("button", name="Save state").click()
+        page.get_by_role("button", name="Save", exact=True).click()
     place = tmp_path / "state.json"
     saving.value.save_as(place)
     state = json.loads(place.read_text())

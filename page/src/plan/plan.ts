@@ -15,7 +15,7 @@ export function mountPlan(root: HTMLElement, app: App): MountedView {
       const choices = await app.api<Choices>("/api/plan/choices");
       planner = new Planner(root, app, surface, choices);
       await planner.live.refresh();
-      if (restoring) await planner.restore(restoring);
+      if (restoring) planner.restore(restoring);
       restoring = null;
       root.dataset["ready"] = "true";
     });
@@ -31,7 +31,7 @@ export function mountPlan(root: HTMLElement, app: App): MountedView {
     shown: () => planner?.pictures.stage.draw(),
     saved: () => planner?.saved() ?? null,
     restore: (state) => {
-      if (planner) void planner.restore(state);
+      if (planner) planner.restore(state);
       else restoring = state;
     },
     dropped: (files) => {

@@ -128,8 +128,12 @@ export class Planner {
     };
   }
 
-  async restore(saved: unknown): Promise<void> {
-    const state = checked(saved);
+  /** Goes back to a saved state; throws in words if it is none. */
+  restore(saved: unknown): void {
+    void this.restored(checked(saved));
+  }
+
+  private async restored(state: SavedPlan): Promise<void> {
     this.wanted.restore(state.wanted);
     this.target.value = state.target;
     this.beside.value = state.beside;
