@@ -27,6 +27,6 @@ export function withUnit(value: number, unit: string, count = 3): string {
 export function tick(value: number): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-3) return value.toExponential(0).replace("e+", "e").replace("-", "−");
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.abs(value).toExponential(1)[2] === "0" ? 0 : 1).replace("e+", "e").replace("-", "−");
   return String(Number(value.toPrecision(6))).replace("-", "−");
 }

@@ -49,7 +49,7 @@ function drawing(scale: ColourScale, label: string): SVGSVGElement {
     const y = HEIGHT - (place * HEIGHT) / (edges.length - 1);
     return [
       svg("line", { x1: WIDTH, x2: WIDTH + 4, y1: y, y2: y, class: "axis" }),
-      svg("text", { x: WIDTH + 7, y, dy: "0.35em" }, tick(value)),
+      svg("text", { x: WIDTH + 7, y, dy: "0.35em" }, tick(Number(value.toPrecision(4)))),
     ];
   });
   const frame = svg("rect", { x: 0, y: 0, width: WIDTH, height: HEIGHT, class: "bar-frame" });

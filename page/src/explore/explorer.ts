@@ -1,7 +1,7 @@
 /** Explore at work: from the state to pictures, numbers and charts. */
 import type { App } from "../app";
 import { ColourBar } from "../colour/bar";
-import { scaleOf, type ColourScale } from "../colour/scale";
+import { roundSteps, scaleOf, type ColourScale } from "../colour/scale";
 import { h } from "../dom";
 import type { Pane } from "../scene/pane";
 import { Stage } from "../scene/stage";
@@ -242,7 +242,8 @@ export class Explorer {
     const row = surface.modes.subarray(mode * surface.nVertices, (mode + 1) * surface.nVertices);
     const values = Float32Array.from(row, (value) => value * surface.modeScales[mode]);
     const most = values.reduce((largest, value) => Math.max(largest, Math.abs(value)), 0);
-    const scale: ColourScale = { palette: "diverging", low: -most, high: most, bands: 0, lines: false };
+    const end = roundSteps(0, most, 5).at(-1) ?? most;
+    const scale: ColourScale = { palette: "diverging", low: -end, high: end, bands: 0, lines: false };
     const pane = this.panes.get("harmonics");
     pane?.movePositions(surface.positions);
     pane?.setValues((this.shown = values), scale);

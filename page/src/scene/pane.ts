@@ -6,9 +6,11 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
+  Plane,
   Points,
   Scene,
   type ShaderMaterial,
+  Vector3,
   type Vector4,
 } from "three";
 
@@ -129,6 +131,11 @@ export class Pane {
 
   cutBy(plane: Vector4, pixelRatio: number): void {
     this.material.uniforms["clip"].value = plane;
+    if (this.edges) {
+      const normal = new Vector3(-plane.x, -plane.y, -plane.z);
+      const cuts = normal.length() > 0;
+      (this.edges.material as LineBasicMaterial).clippingPlanes = cuts ? [new Plane(normal, plane.w)] : null;
+    }
     for (const points of this.layers.values()) {
       const { uniforms } = points.material as ShaderMaterial;
       uniforms["clip"].value = plane;

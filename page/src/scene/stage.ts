@@ -65,6 +65,7 @@ export class Stage {
     });
     this.renderer = new WebGLRenderer({ antialias: false, alpha: true, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
+    this.renderer.localClippingEnabled = true;
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("aria-hidden", "true");
     this.cube = new OrientationCube(space, (name) => this.look(name));
