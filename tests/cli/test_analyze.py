@@ -13,7 +13,7 @@ from auricle.surface.shapes import icosphere
 from auricle.surface.writing import write_surface
 
 OPTIONS = ("-n", 500, "-k", 40, "--focus-width", 12, "--focus-count", 1)
-FILES = {"report.html", "result.json", "spectrum.csv", "timings.json", "figures"}
+FILES = {*("report.html", "result.json", "spectrum.csv", "surface.vtp", "timings.json", "figures")}
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,10 @@ from auricle.surface.reading import read_surface
 
 OPTIONS = ("-n", 700, "-k", 60)
 FILES = {
-    "plan": {"report.html", "result.json", "timings.json", "points.csv", "figures"},
+    "plan": {
+        *("report.html", "result.json", "timings.json", "figures"),
+        *("points.csv", "surface.vtp"),
+    },
     "reconstruct": {
         *("report.html", "result.json", "timings.json", "figures"),
         *("map.vtp", "samples.csv", "next_points.csv"),

@@ -319,6 +319,9 @@ def test_two_series_in_a_folder_are_listed_and_one_is_chosen(inside, volume, tmp
     [
         (("--seed", "1,2"), 2),
         (("--roi", "1,2,3"), 2),
+        (("--cut", "1,2,3"), 2),
+        (("--cut", "1,2,3,x"), 2),
+        (("--cut", "1,2,3,0"), 3),
         (("--seed", "9999,0,0"), 3),
         (("--vein-stub", -4), 3),
         (("--labels", "absent.nii.gz"), 3),

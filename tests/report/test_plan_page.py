@@ -186,6 +186,7 @@ def test_the_folder_is_complete_and_its_numbers_are_finite(plan, tmp_path):
         "result.json",
         "timings.json",
         "points.csv",
+        "surface.vtp",
         *(f"figures/{name}" for name in CAPTIONS),
     }
     assert [stage[0] for stage in told] == ["figures"] * 4

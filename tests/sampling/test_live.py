@@ -66,6 +66,35 @@ def test_the_worth_of_vertices_stays_exact_when_it_has_fallen_far(open_chamber: 
     assert_is_the_refit(run(open_chamber, 300, Hyperparameters(20.0, 30.0, 0.3)))
 
 
+@pytest.mark.parametrize("hyperparameters", [KNOWN, None])
+def test_many_at_once_give_the_state_of_one_by_one(
+    open_chamber: Chamber, hyperparameters: Hyperparameters | None
+) -> None:
+    slow = run(open_chamber, 40, hyperparameters)
+    quick = Session(open_chamber, hyperparameters=hyperparameters)
+    quick.add_all(slow.sites, slow.values)
+    assert_is_the_refit(quick)
+    assert quick.hyperparameters == slow.hyperparameters
+    assert np.allclose(quick.mean, slow.mean, rtol=1e-8)
+    assert quick.predicted_errors[-1] == pytest.approx(slow.predicted_errors[-1], rel=1e-8)
+    quick.undo()
+    slow.undo()
+    assert np.allclose(quick.mean, slow.mean, rtol=1e-8)
+
+
+def test_many_at_once_are_refused_whole(open_chamber: Chamber) -> None:
+    session = run(open_chamber, 6)
+    before = session.mean.copy()
+    with pytest.raises(InputError, match="a number for each"):
+        session.add_all(session.sites, np.full(6, np.nan))
+    cap = np.flatnonzero(~open_chamber.accessible)[:1]
+    with pytest.raises(InputError, match="over a cap"):
+        session.add_all(Sites.at_vertices(cap), np.zeros(1))
+    session.add_all(Sites.at_vertices([]), np.empty(0))
+    assert session.n_samples == 6
+    assert np.array_equal(session.mean, before)
+
+
 def test_undo_gives_the_state_before(open_chamber: Chamber) -> None:
     session = run(open_chamber, 30)
     before = session.mean.copy(), session.predicted_errors[:]

@@ -27,7 +27,7 @@ from auricle.cli.volume_options import (
     SeriesOption,
     segmentation_config,
 )
-from auricle.cli.volume_steps import FoundAtrium, find_atrium, is_volume
+from auricle.cli.volume_steps import FoundAtrium, find_atrium
 
 if TYPE_CHECKING:
     from auricle.progress import Progress
@@ -121,6 +121,7 @@ def analyze(
 
     Example: `auricle analyze atrium.vtp -o result -k 500`
     """
+    from auricle.imaging.recognition import is_volume
     from auricle.study.exports import is_export
 
     require_folder(output)

@@ -12,11 +12,13 @@ import typer
 from auricle.cli.options import FolderOption, SeedOption, require_folder
 from auricle.cli.volume_options import (
     AcceptOption,
+    CutOption,
     DepthOption,
     LabelOption,
     LabelsOption,
     RegionOption,
     SeriesOption,
+    cut_of,
     segmentation_config,
 )
 from auricle.cli.volume_steps import find_atrium
@@ -46,6 +48,7 @@ def segment(
     ] = None,
     roi: RegionOption = None,
     depth: DepthOption = 60.0,
+    cut: CutOption = None,
     series: SeriesOption = None,
     labels: LabelsOption = None,
     label: LabelOption = None,
@@ -90,6 +93,7 @@ def segment(
         upper_hu=upper,
         vein_stub_mm=vein_stub,
         spacing_mm=spacing,
+        cuts_mm=tuple(cut_of(text) for text in cut or ()),
     )
     with progress_bars() as progress:
         found = find_atrium(volume, output, config, labels=labels, progress=progress)

@@ -30,6 +30,15 @@ RegionOption = Annotated[
 DepthOption = Annotated[
     float, typer.Option(metavar="MM", help="How far a polygon reaches to either side of its slice.")
 ]
+CutOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--cut",
+        metavar="X,Y,Z,[NX,NY,NZ,]R",
+        help="Where blood is not followed, mm, LPS: a ball, or with a normal a disc; repeatable.",
+        show_default=False,
+    ),
+]
 SeriesOption = Annotated[
     int | None,
     typer.Option(metavar="N", help="Which series of a DICOM folder, from 1.", show_default=False),
@@ -81,6 +90,25 @@ def region_of(text: str) -> tuple["Place", ...]:
     if len(corners) < 2:
         raise typer.BadParameter(f"{text!r}: give two corners or more", param_hint="--roi")
     return corners
+
+
+def cut_of(text: str) -> tuple[float, ...]:
+    """The numbers of a ball or a disc.
+
+    Raises
+    ------
+    typer.BadParameter
+        If they are not four or seven numbers.
+    """
+    try:
+        cut = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        cut = ()
+    if len(cut) not in (4, 7):
+        raise typer.BadParameter(
+            f"{text!r}: give X,Y,Z,R or X,Y,Z,NX,NY,NZ,R in mm", param_hint="--cut"
+        )
+    return cut
 
 
 def segmentation_config(

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +13,6 @@ from auricle.errors import InputError
 if TYPE_CHECKING:
     from auricle.progress import Progress
     from auricle.study.segmented import SegmentationConfig, SegmentedCase
-
-_FILES_LOOKED_AT = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,22 +73,3 @@ def find_atrium(
     for reason in case.reasons:
         typer.echo(f"{'check' if reason.stops else 'note'}: {reason}", err=True)
     return FoundAtrium(path, case, figures, page, folder / "surface.vtp")
-
-
-def is_volume(path: Path) -> bool:
-    """Whether a path is read as a CT: an image file, DICOM, or a folder that holds some."""
-    from auricle.imaging.image_files import is_image_file
-
-    if path.is_dir():
-        return any(_is_dicom(each) for each in islice(path.rglob("*"), _FILES_LOOKED_AT))
-    return is_image_file(path) or path.suffix.lower() in ("", ".dcm")
-
-
-def _is_dicom(path: Path) -> bool:
-    if path.suffix.lower() == ".dcm":
-        return True
-    try:
-        with path.open("rb") as file:
-            return file.read(132)[128:] == b"DICM"
-    except OSError:
-        return False

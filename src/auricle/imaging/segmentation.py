@@ -8,77 +8,29 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, binary_fill_holes
 
-from auricle.arrays import Integers, Points, Truths
-from auricle.errors import InputError
+from auricle.arrays import Integers, Truths
 from auricle.imaging.chambers import ATRIUM, OTHER, VENTRICLE, Chambers, chambers_of
-from auricle.imaging.diffusion import perona_malik
 from auricle.imaging.findings import reasons_of
 from auricle.imaging.growing import grown_region, pieces_by_size, spread_labels
 from auricle.imaging.mask import Mask
 from auricle.imaging.mitral import MitralPlane, cut_at_mitral, hinge_plane, mitral_plane
 from auricle.imaging.necks import distance_basins
 from auricle.imaging.region_of_interest import RegionOfInterest
-from auricle.imaging.resampling import corners, resampled
-from auricle.imaging.seed import Seed, find_seed, given_seed
+from auricle.imaging.seed import Seed
+from auricle.imaging.segmentation_options import SegmentationOptions
+from auricle.imaging.start import Start, start_of
 from auricle.imaging.thresholds import Thresholds, region_thresholds
 from auricle.imaging.veins import Branch, Trimmed, trim_veins
 from auricle.imaging.verdict import Reason, SegmentationError, Verdict, verdict_of
 from auricle.imaging.volume import Volume
 from auricle.progress import Progress, silent
 
-BOX_MM = (150.0, 120.0, 130.0)
-"""Size of the region looked at around the seed where none is given: left, back, head."""
+__all__ = ["Segmentation", "SegmentationOptions", "segment"]
+
 SEED_BALL_MM = 6.0
 SPREAD_MM = 2.0
 """How far the chambers told apart at the higher threshold reach at the lower one."""
 _LEAST_BRIGHT_ML = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class SegmentationOptions:
-    """How to segment; every default is for a contrast CT of an adult heart.
-
-    Attributes
-    ----------
-    seed
-        A place in the left atrium, (3,), mm, LPS; None finds one.
-    region
-        What the atrium lies in: thresholds come from its histogram, and nothing outside it is
-        kept. Chambers are told apart in a box about the seed all the same.
-    lower, upper
-        Thresholds in HU that replace those from the histogram.
-    step
-        Spacing of the lattice the segmentation is found on, mm.
-    contrast, iterations
-        Of the anisotropic diffusion: HU, and passes.
-    vein_stub
-        Length of vein kept from its ostium, mm.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive and finite.
-    """
-
-    seed: Points | None = None
-    region: RegionOfInterest | None = None
-    lower: float | None = None
-    upper: float | None = None
-    step: float = 1.0
-    contrast: float = 40.0
-    iterations: int = 5
-    vein_stub: float = 12.0
-
-    def __post_init__(self) -> None:
-        if self.seed is not None:
-            place = np.asarray(self.seed, dtype=np.float64)
-            if place.shape != (3,) or not np.isfinite(place).all():
-                raise InputError("a seed is three finite coordinates: give x, y, z in mm, LPS")
-            object.__setattr__(self, "seed", place)
-        if not 0.3 <= self.step <= 3.0:
-            raise InputError(f"a lattice of {self.step} mm: give 0.3 to 3")
-        if not 0 <= self.vein_stub <= 100:
-            raise InputError(f"vein stubs of {self.vein_stub} mm: give 0 to 100")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +88,25 @@ def segment(
     volume: Volume,
     options: SegmentationOptions | None = None,
     *,
+    start: Start | None = None,
     progress: Progress = silent,
 ) -> Segmentation:
     """The left atrium of a contrast CT: body, appendage and vein stubs, cut at the mitral valve.
 
     Seed, region of interest, anisotropic diffusion, thresholds from the region's histogram,
-    region growing, chambers parted at their necks, mitral plane, vein stubs.
+    region growing up to the cutters, chambers parted at their necks, mitral plane, vein stubs.
+
+    Parameters
+    ----------
+    volume
+        The CT.
+    options
+        How to segment.
+    start
+        What `start_of` gave for this volume and options that differ in thresholds, vein stub
+        and cutters only; None finds it.
+    progress
+        Told where the work stands.
 
     Raises
     ------
@@ -149,16 +114,15 @@ def segment(
         If there is no left atrium to be found; its `code` and `remedy` say why and what to do.
     """
     options = options or SegmentationOptions()
-    _refuse_other_units(volume)
-    progress("seed", 0, 6)
-    seed = _seed(volume, options)
-    progress("filter", 1, 6)
-    image = _filtered_box(volume, seed, options)
-    allowed = _allowed(image, options)
+    start = start or start_of(volume, options, progress=progress)
+    seed, image = start.seed, start.image
     progress("grow", 2, 6)
+    allowed = _allowed(image, options)
+    barred = _barred(image, options)
     home = _home(image, seed)
     thresholds = _thresholds(image, allowed, home, options)
-    blood = _blood(image, thresholds)
+    bright = _blood(image, thresholds)
+    blood = bright & ~barred
     region = _pool(image, blood, home, thresholds, options)
     progress("chambers", 3, 6)
     chambers = _chambers(region, home, volume, options)
@@ -175,43 +139,9 @@ def segment(
         oriented=volume.orientation_known,
     )
     trimmed = _within(trimmed, allowed, image, options.region)
+    labels[bright & barred] = OTHER
     progress("veins", 6, 6)
     return _result(volume, image, thresholds, seed, (chambers, labels, plane, trimmed))
-
-
-def _refuse_other_units(volume: Volume) -> None:
-    """Refuse what cannot be HU: no air below −200, or nothing but air."""
-    sample = volume.voxels[::4, ::4, ::4]
-    low, high = np.percentile(sample, [0.5, 99.9])
-    if low > -200.0 and float(sample.min()) > -200.0:
-        raise SegmentationError("not_hu", f"values from {low:.0f} to {high:.0f} hold no air")
-    if high < 0.0 or high > 20_000.0:
-        raise SegmentationError(
-            "not_hu", f"values from {low:.0f} to {high:.0f} are no CT of a chest"
-        )
-
-
-def _seed(volume: Volume, options: SegmentationOptions) -> Seed:
-    if options.seed is None:
-        return find_seed(volume, region=options.region)
-    return given_seed(volume, options.seed, region=options.region)
-
-
-def _filtered_box(volume: Volume, seed: Seed, options: SegmentationOptions) -> Volume:
-    """The region looked at, filtered, on a lattice of its own.
-
-    It is never less than the box about the seed: a chamber is told from its neighbours by these.
-    """
-    low, high = seed.position - np.array(BOX_MM) / 2, seed.position + np.array(BOX_MM) / 2
-    if options.region is not None:
-        first, last = options.region.bounds
-        low, high = np.minimum(low, first), np.maximum(high, last)
-    low = np.maximum(low, corners(volume).min(axis=0))
-    high = np.minimum(high, corners(volume).max(axis=0))
-    box = resampled(volume, low=low, high=high, step=options.step)
-    values = perona_malik(box.voxels, contrast=options.contrast, iterations=options.iterations)
-    values.flags.writeable = False
-    return replace(box, voxels=values)
 
 
 def _allowed(image: Volume, options: SegmentationOptions) -> Truths:
@@ -220,6 +150,15 @@ def _allowed(image: Volume, options: SegmentationOptions) -> Truths:
         return np.ones(image.shape, dtype=bool)
     nodes = image.points_at(np.indices(image.shape).reshape(3, -1).T)
     return options.region.contains(nodes).reshape(image.shape)
+
+
+def _barred(image: Volume, options: SegmentationOptions) -> Truths:
+    """Voxels of the cutters."""
+    barred = np.zeros(image.shape, dtype=bool)
+    for cutter in options.cutters:
+        nodes = image.points_at(np.indices(image.shape).reshape(3, -1).T)
+        barred |= cutter.bars(nodes, step=options.step).reshape(image.shape)
+    return barred
 
 
 def _home(image: Volume, seed: Seed) -> Integers:

@@ -14,6 +14,7 @@ from auricle.study.result import CaseResult
 from auricle.study.segmented import SegmentedCase
 from auricle.study.segmented_store import segmentation_document
 from auricle.study.store import json_text, result_document
+from auricle.surface.writing import write_surface
 
 
 def write_report(
@@ -27,7 +28,8 @@ def write_report(
     """Write everything known about a case into `folder`; returns the report's path.
 
     ``report.html`` alone is complete; beside it stand ``figures/``, ``spectrum.csv``,
-    ``timings.json`` and, last of all, ``result.json``, whose presence says the folder is whole.
+    ``surface.vtp`` (the surface analysed, with its fields), ``timings.json`` and, last of all,
+    ``result.json``, whose presence says the folder is whole.
 
     Parameters
     ----------
@@ -54,6 +56,8 @@ def write_report(
     for name, content in figures.items():
         write_bytes(folder / "figures" / name, content)
     write_text(folder / "spectrum.csv", spectrum_csv(result))
+    fields = [signal.field for signal in result.fields]
+    write_surface(folder / "surface.vtp", result.surface, fields, space=result.space)
     write_text(folder / "report.html", page)
     write_text(folder / "timings.json", json_text({"wall_s": dict(result.seconds)}))
     write_text(folder / "result.json", document)

@@ -23,6 +23,7 @@ from auricle.sampling.recommendation import ACQUISITIONS
 from auricle.study.plan_result import PlanResult
 from auricle.study.sampling_store import plan_document
 from auricle.study.store import json_text
+from auricle.surface.writing import write_surface
 
 CAPTIONS: Mapping[str, Caption] = MappingProxyType(
     {
@@ -124,6 +125,8 @@ def write_plan(result: PlanResult, folder: Path, *, progress: Progress = silent)
     document = json_text(plan_document(result))
     for name, content in figures.items():
         write_bytes(folder / "figures" / name, content)
+    prepared = result.prepared
+    write_surface(folder / "surface.vtp", prepared.surface, prepared.fields, space=prepared.space)
     write_text(folder / "points.csv", points_csv(result))
     write_text(folder / "report.html", page)
     write_text(folder / "timings.json", json_text({"wall_s": dict(result.seconds)}))

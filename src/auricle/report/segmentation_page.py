@@ -208,6 +208,7 @@ def _parameters_table(case: SegmentedCase) -> Table:
     rows = (
         ("Seed", "found" if config.seed_mm is None else _place(config.seed_mm)),
         ("Region of interest", f"{region} mm" if region else "around the seed"),
+        ("Cutters", "; ".join(_place(each) for each in config.cuts_mm) or "none"),
         ("DICOM series", "the only one" if config.series is None else str(config.series)),
         ("Labels", ", ".join(map(str, config.label)) or "none"),
         ("Lower threshold", _given(config.lower_hu)),

@@ -161,6 +161,31 @@ class Session:
             self._running.absorb(at_sample, float(value), self.hyperparameters.noise**2)
         self.predicted_errors.append(self.running.predicted_nrmse)
 
+    def add_all(self, sites: Sites, values: Floats) -> None:
+        """Take in many samples at once: the state is the same as one by one, but found at once.
+
+        Hyper-parameters are fitted once, to all, unless they were given; `predicted_errors` holds
+        NaN for all of these samples but the last.
+
+        Raises
+        ------
+        InputError
+            As `add_at`; the session is then as it was.
+        """
+        if not len(sites):
+            return
+        if len(sites) != len(values) or not np.isfinite(values).all():
+            raise InputError(f"{len(sites)} places, {len(values)} values: give a number for each")
+        if not self.chamber.accessible[sites.nearest_vertices].all():
+            raise InputError("samples lie over a cap or where none may be: leave them out")
+        self._sites += [sites[[index]] for index in range(len(sites))]
+        self._values += values.tolist()
+        if self._refits_itself:
+            self._fit()
+        else:
+            self._start_over()
+        self.predicted_errors += [math.nan] * (len(sites) - 1) + [self.running.predicted_nrmse]
+
     def undo(self) -> None:
         """Take back the last sample; hyper-parameters stay.
 

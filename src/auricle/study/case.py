@@ -121,6 +121,7 @@ def analyze_surface(
         reconstructions={k: rebuilt[k] for k in PICTURED_COUNTS if k in rebuilt},
         versions=versions(),
         seconds=clock.seconds,
+        space=soup.space,
     )
 
 

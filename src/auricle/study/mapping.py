@@ -11,7 +11,7 @@ import numpy as np
 from auricle.arrays import PerVertex, Truths
 from auricle.errors import BandError, InputError
 from auricle.progress import Progress, silent
-from auricle.sampling.bandwidth import Bracket, bracket
+from auricle.sampling.bandwidth import Bracket
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.coverage import coverage
 from auricle.sampling.cross_validation import (
@@ -21,15 +21,13 @@ from auricle.sampling.cross_validation import (
     from_some,
 )
 from auricle.sampling.gaussian_process import GaussianProcess
-from auricle.sampling.local_nyquist import LocalNyquist, local_nyquist, modal_transfer
 from auricle.sampling.next_point import NextPoint, next_points
-from auricle.sampling.optimal_design import Prior
 from auricle.sampling.reconstruction import Reconstruction
 from auricle.sampling.running_posterior import RunningPosterior
 from auricle.sampling.samples import PlacedSamples, Samples, place
 from auricle.sampling.samples_file import read_samples
-from auricle.sampling.stopping import Evidence, Verdict, verdict
 from auricle.study.fitting import FittedMap, fitted_map
+from auricle.study.judgement import brackets, judgement
 from auricle.study.mapping_result import MappingConfig, MappingResult, Progression
 from auricle.study.preparation import PreparedSurface, prepare
 from auricle.study.provenance import source_of, versions
@@ -133,15 +131,11 @@ def rebuilt_map(
     found, known = fitted.reconstruction, not fitted.reconstruction.knows_nothing
     progress("rebuild map", 2, 5)
     n = prepared.surface.n_vertices
-    nyquist = _nyquist(fitted)
-    aimed = _aimed(found, config.target_nrmse)
-    undersampled = _undersampled(nyquist, aimed if known else None, prepared)
-    share = chamber.mean(undersampled.astype(float))
+    judged = judgement(fitted, placed, n_read=samples[0], target_nrmse=config.target_nrmse)
     progress("rebuild map", 3, 5)
     ahead = _next(fitted, prepared, config)
     progress("rebuild map", 4, 5)
     progression = _progression(fitted, placed, progress) if known else Progression.nothing()
-    judged = _judged(fitted, (aimed, share), samples, config)
     around = coverage(chamber, placed.sites)
     progress("rebuild map", 5, 5)
     mean, std, singular = _on_surface(fitted, n)
@@ -159,9 +153,9 @@ def rebuilt_map(
         mean=mean,
         std=std,
         singular=singular,
-        wavelengths=nyquist.wavelengths[:n] if known else np.full(n, np.inf),
-        undersampled=undersampled[:n],
-        undersampled_share=share,
+        wavelengths=judged.wavelengths[:n] if known else np.full(n, np.inf),
+        undersampled=judged.undersampled[:n],
+        undersampled_share=judged.undersampled_share,
         predicted_nrmse=fitted.predicted_nrmse if known else math.nan,
         smooth_nrmse=fitted.smooth_nrmse if known else math.nan,
         loo_variance=found.standardized_variance if known else math.nan,
@@ -169,7 +163,7 @@ def rebuilt_map(
         doubted=fitted.doubted,
         brackets=_brackets(found) if known else (),
         coverage=around,
-        verdict=judged,
+        verdict=judged.verdict,
         next_points=ahead,
         next_nrmse=fitted.nrmse_after(drops) if known else np.full(len(ahead), np.nan),
         progression=progression,
@@ -193,29 +187,6 @@ def _placed(path: Path, samples: Samples, chamber: Chamber, config: MappingConfi
         raise InputError(f"{path}: {fault}") from fault
 
 
-def _judged(
-    fitted: FittedMap,
-    bandwidth: tuple[Bracket | None, float],
-    samples: tuple[int, PlacedSamples],
-    config: MappingConfig,
-) -> Verdict:
-    n_read, placed = samples
-    aimed, undersampled_share = bandwidth
-    found = fitted.reconstruction
-    return verdict(
-        Evidence(
-            n_samples=len(placed),
-            knows_nothing=found.knows_nothing,
-            target_nrmse=config.target_nrmse,
-            predicted_nrmse=fitted.predicted_nrmse,
-            bracket=aimed,
-            undersampled_share=undersampled_share,
-            loo_variance=found.standardized_variance,
-            left_out_share=1 - int(placed.counts.sum()) / n_read,
-        )
-    )
-
-
 def _on_surface(fitted: FittedMap, n: int) -> tuple[PerVertex, PerVertex, Truths]:
     """Map, deviation and singular places at the surface's own vertices; NaN if nothing is known."""
     nowhere = np.zeros(n, dtype=bool)
@@ -226,53 +197,12 @@ def _on_surface(fitted: FittedMap, n: int) -> tuple[PerVertex, PerVertex, Truths
     return fitted.circular.time[:n], fitted.std[:n], fitted.circular.singular[:n]
 
 
-def _nyquist(fitted: FittedMap) -> LocalNyquist:
-    found, chamber = fitted.reconstruction, fitted.process.chamber
-    noise = max(found.hyperparameters.noise, 1e-6 * found.hyperparameters.amplitude)
-    prior = Prior(found.posterior.prior_variances, noise)
-    relative = np.square(fitted.process.noise_shape)
-    transfer = modal_transfer(chamber, fitted.process.sites, prior, relative_noise=relative)
-    return local_nyquist(chamber, transfer)
-
-
 def _brackets(found: Reconstruction) -> tuple[Bracket, ...]:
     """Brackets at the usual shares; none if the map is as good as constant."""
     try:
-        return _bracket(found, None)
+        return brackets(found)
     except (BandError, InputError):
         return ()
-
-
-def _aimed(found: Reconstruction, target: float) -> Bracket | None:
-    try:
-        return _bracket(found, 1 - target**2)[0]
-    except (BandError, InputError):
-        return None
-
-
-def _bracket(found: Reconstruction, share: float | None) -> tuple[Bracket, ...]:
-    """Brackets of a map; of cosine and sine together their wider ends."""
-    means = found.coefficient_mean.reshape(len(found.coefficient_mean), -1)
-    k = len(means)
-    gram = found.chamber.accessible_gram[:k, :k]
-    covariance = found.posterior.covariance.matrix
-    shares = {} if share is None else {"shares": [share]}
-    columns = [bracket(mean, covariance, gram=gram, **shares) for mean in means.T]
-    return tuple(
-        Bracket(parts[0].share, min(p.lower for p in parts), max(p.upper for p in parts))
-        for parts in zip(*columns, strict=True)
-    )
-
-
-def _undersampled(
-    nyquist: LocalNyquist, aimed: Bracket | None, prepared: PreparedSurface
-) -> Truths:
-    """Accessible vertices that do not support the bandwidth; all if it is beyond the harmonics."""
-    accessible = prepared.chamber.accessible
-    if aimed is None or aimed.upper > nyquist.edges[-1]:
-        return accessible
-    coarse: Truths = nyquist.undersampled(aimed.upper) & accessible
-    return coarse
 
 
 def _next(

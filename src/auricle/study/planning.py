@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,11 +71,44 @@ def plan_surface(
         progress=progress,
     )
     solved = time.perf_counter()
+    result = plan_prepared(prepared, config, existing=taken_at, about=existing, progress=progress)
+    return replace(result, seconds={"prepare": solved - begin, **result.seconds})
+
+
+def plan_prepared(
+    prepared: PreparedSurface,
+    config: PlanConfig,
+    *,
+    existing: Points | None = None,
+    about: Path | None = None,
+    progress: Progress = silent,
+) -> PlanResult:
+    """As `plan_surface`, on a surface that is prepared already.
+
+    Parameters
+    ----------
+    prepared
+        The surface.
+    config
+        What is to be mapped; parameters of preparation are only recorded.
+    existing
+        Positions of samples taken already, shape (m, 3), mm.
+    about
+        The file these came from, for messages.
+    progress
+        Told the stages.
+
+    Raises
+    ------
+    InputError
+        If a parameter is at fault.
+    """
+    begin = time.perf_counter()
     chamber = prepared.chamber
     asked = wanted(prepared, config, progress)
     advised, by_target = _recommended(asked.tails, chamber, config)
     progress("plan", 0, 2)
-    taken, remarks = _existing(existing, taken_at, chamber)
+    taken, remarks = _existing(about, existing, chamber)
     expected = ExpectedMap(_monotone(asked.tails.at(config.quantile)), config.noise_ratio)
     n_samples = config.n_samples or _still_needed(advised, chamber, taken)
     plan, placements = _planned(prepared, n_samples, expected, taken, config)
@@ -99,7 +133,7 @@ def plan_surface(
         example=asked.example,
         remarks=(*remarks, *_forbidden_remark(prepared, config)),
         versions=versions(),
-        seconds={"prepare": solved - begin, "plan": time.perf_counter() - solved},
+        seconds={"plan": time.perf_counter() - begin},
     )
 
 
@@ -202,7 +236,7 @@ def _existing(
     try:
         placed = place(Samples(positions, np.zeros(len(positions))), chamber)
     except InputError as fault:
-        raise InputError(f"{path}: {fault}") from fault
+        raise InputError(f"{path or 'samples taken'}: {fault}") from fault
     return placed.sites, placed.remarks
 
 

@@ -110,6 +110,8 @@ class CaseResult:
         Of auricle, Python and the libraries that enter the numbers.
     seconds
         Wall time by stage.
+    space
+        Frame of the positions, as the file states it.
     """
 
     source: Source
@@ -132,3 +134,4 @@ class CaseResult:
     reconstructions: Mapping[int, Points]
     versions: Mapping[str, str]
     seconds: Mapping[str, float]
+    space: str = "unknown"

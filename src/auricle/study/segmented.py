@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from auricle.errors import InputError
+from auricle.imaging.cutters import BallCutter, Cutter, DiscCutter
 from auricle.imaging.findings import reasons_of_mask
 from auricle.imaging.image_files import is_image_file
 from auricle.imaging.labels import label_mask
@@ -59,6 +60,9 @@ class SegmentationConfig:
         Length of vein kept from its ostium, mm.
     spacing_mm
         Of the lattice the surface is drawn on, mm; None follows the voxels.
+    cuts_mm
+        Where blood must not be followed, mm, LPS: x, y, z and radius of a ball, or x, y, z, the
+        three of a normal and the radius of a disc.
     """
 
     seed_mm: Place | None = None
@@ -70,6 +74,7 @@ class SegmentationConfig:
     upper_hu: float | None = None
     vein_stub_mm: float = 12.0
     spacing_mm: float | None = None
+    cuts_mm: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if self.spacing_mm is not None and not 0.3 <= self.spacing_mm <= 3.0:
@@ -96,7 +101,22 @@ class SegmentationConfig:
             lower=self.lower_hu,
             upper=self.upper_hu,
             vein_stub=self.vein_stub_mm,
+            cutters=tuple(_cutter(cut) for cut in self.cuts_mm),
         )
+
+
+def _cutter(cut: tuple[float, ...]) -> Cutter:
+    numbers = np.array(cut)
+    match len(cut):
+        case 4:
+            return BallCutter(numbers[:3], cut[3])
+        case 7:
+            return DiscCutter(numbers[:3], numbers[3:6], cut[6])
+        case _:
+            raise InputError(
+                f"a cutter of {len(cut)} numbers: give x, y, z and a radius, or x, y, z, the "
+                "three of a normal and a radius"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,14 +212,61 @@ def segment_file(
         found = _searched(path, config, clock)
     else:
         found = _labelled(path, config, labels, clock)
+    mask = found.mask if labels is None and config.label else None
+    labels_source = None if labels is None else source_of_volume(labels, found.volume)
+    sources = (source_of_volume(path, found.volume), labels_source)
+    return _case(found, mask, config, sources, clock)
+
+
+def surfaced(
+    source: Source,
+    volume: Volume,
+    segmentation: Segmentation,
+    config: SegmentationConfig,
+    *,
+    progress: Progress = silent,
+) -> SegmentedCase:
+    """The case of a segmentation at hand: what `segment_file` gives, from its surface on.
+
+    Parameters
+    ----------
+    source
+        Of the volume, see `source_of_volume`.
+    volume
+        The CT.
+    segmentation
+        ``segment(volume, config.options)``.
+    config
+        The parameters.
+    progress
+        Told the stages.
+
+    Raises
+    ------
+    SurfaceError
+        If no closed surface comes out.
+    """
+    clock = Clock(progress)
+    found = _surfaced(volume, segmentation, config, clock)
+    return _case(found, None, config, (source, None), clock)
+
+
+def _case(
+    found: "_Found",
+    mask: Mask | None,
+    config: SegmentationConfig,
+    sources: tuple[Source, Source | None],
+    clock: Clock,
+) -> SegmentedCase:
+    """The case of an atrium; a mask on the input's own lattice already is taken as it is."""
     with clock.stage("slices"):
         slices = _slices(found.volume, found.mask)
         shown = mask_on(found.mask, slices)
-        mask = found.mask if labels is None and config.label else mask_on(found.mask, found.volume)
+        mask = mask or mask_on(found.mask, found.volume)
     x, y, z = found.volume.spacing.tolist()
     return SegmentedCase(
-        source=_source(path, found.volume),
-        labels_source=None if labels is None else _source(labels, found.volume),
+        source=sources[0],
+        labels_source=sources[1],
         config=config,
         shape=found.volume.shape,
         spacing_mm=(x, y, z),
@@ -232,6 +299,12 @@ def _searched(path: Path, config: SegmentationConfig, clock: Clock) -> _Found:
         volume = read_volume(path, series=config.series, progress=clock.progress)
     with clock.stage("segment"):
         found = segment(volume, config.options, progress=clock.progress)
+    return _surfaced(volume, found, config, clock)
+
+
+def _surfaced(
+    volume: Volume, found: Segmentation, config: SegmentationConfig, clock: Clock
+) -> _Found:
     with clock.stage("mesh"):
         surface = endocardium(volume, found, spacing=config.spacing_mm, progress=clock.progress)
     return _Found(volume, found.mask, surface, found, found.reasons, volume.remarks)
@@ -277,7 +350,7 @@ def _slices(volume: Volume, mask: Mask) -> Volume:
     return resampled(volume, low=low, high=high, step=PICTURED_MM)
 
 
-def _source(path: Path, volume: Volume) -> Source:
+def source_of_volume(path: Path, volume: Volume) -> Source:
     """The file; of a DICOM series its content only, since names of its files may be a person's."""
     if is_image_file(path):
         return source_of(path)

@@ -25,17 +25,18 @@ def segmentation_document(case: SegmentedCase) -> dict[str, Any]:
         "spacing_mm": list(case.spacing_mm),
         "space": "LPS",
         "verdict": case.verdict.value,
-        "reasons": [_reason(each) for each in case.reasons],
+        "reasons": [reason_document(each) for each in case.reasons],
         "volume_ml": case.volume_ml,
         "mask_volume_ml": case.mask.volume_ml,
-        "found": None if found is None else _found(found),
+        "found": None if found is None else found_document(found),
         "surface": asdict(case.endocardium.soundness),
         "surface_spacing_mm": case.endocardium.spacing,
         "repairs": [asdict(repair) for repair in case.endocardium.repairs],
     }
 
 
-def _reason(reason: Reason) -> dict[str, Any]:
+def reason_document(reason: Reason) -> dict[str, Any]:
+    """A reason for JSON: code, cause, remedy, whether it stops, and its place in mm, LPS."""
     return {
         "code": reason.code,
         "cause": reason.cause,
@@ -45,7 +46,8 @@ def _reason(reason: Reason) -> dict[str, Any]:
     }
 
 
-def _found(found: Segmentation) -> dict[str, Any]:
+def found_document(found: Segmentation) -> dict[str, Any]:
+    """Seed, thresholds, measurements, mitral plane and branches for JSON."""
     seed = found.seed
     return {
         "seed": {"position_mm": seed.position.tolist(), "given": seed.given},
