@@ -77,13 +77,14 @@ def main() -> None:
 
 def _table(place: Path) -> None:
     rows = []
-    for case in CASES:
-        rows.append(_row(*case))
-        _say("  ".join(map(str, rows[-1].values())))
     with place.open("w", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
-        writer.writerows(rows)
+        for case in CASES:
+            rows.append(_row(*case))
+            writer.writerow(rows[-1])
+            file.flush()
+            _say("  ".join(map(str, rows[-1].values())))
     good = [row for row in rows if row["verdict"] == "ok" and row["dice"] >= 0.93]
     silent = [row for row in rows if row["verdict"] == "ok" and row["dice"] < 0.90]
     _say(f"{len(good)} of {len(rows)} ok with Dice 0.93; {len(silent)} silently under 0.90")

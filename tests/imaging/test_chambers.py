@@ -100,9 +100,7 @@ def test_the_cut_leaves_nothing_of_the_atrium_beyond_the_plane_but_the_appendage
 @pytest.mark.parametrize("stub", [6.0, 12.0])
 def test_veins_are_cut_a_stub_from_the_body_and_the_appendage_is_kept(parted, annulus, stub):
     labels = cut_at_mitral(parted.labels, annulus, step=1.0)
-    found = trim_veins(
-        labels == ATRIUM, labels == VENTRICLE, radius=parted.radius, step=1.0, stub=stub
-    )
+    found = trim_veins(labels == ATRIUM, labels, radius=parted.radius, step=1.0, stub=stub)
     assert [branch.kind for branch in found.branches[:3]] == ["appendage", "vein", "vein"]
     assert max((branch.volume_ml for branch in found.branches[3:]), default=0.0) < 1.0
     kept = GRID[found.atrium]
@@ -118,7 +116,7 @@ def test_veins_are_cut_a_stub_from_the_body_and_the_appendage_is_kept(parted, an
 def test_without_known_axes_no_branch_is_called_the_appendage(parted):
     found = trim_veins(
         parted.labels == ATRIUM,
-        parted.labels == VENTRICLE,
+        parted.labels,
         radius=parted.radius,
         step=1.0,
         oriented=False,
@@ -134,6 +132,30 @@ def test_a_branch_too_large_for_a_vein_is_a_leak_and_cut_at_the_body():
     assert (leak.kind, len(found.branches)) == ("leak", 1)
     assert leak.volume_ml > 40.0
     assert GRID[found.atrium][:, 0].min() > -23.0
+
+
+def test_a_nub_beside_a_leak_goes_with_it_and_one_elsewhere_stays():
+    """As where contrast is unevenly mixed: part of the structure is joined by a way of its own."""
+    chamber = ball((0, 0, 0), 20.0) | tube((-15, 0, 0), (-25, 0, 0), 4.0) | ball((-40, 0, 0), 23.0)
+    gap = tube((-22, 8, 0), (-33, 8, 0), 1.5) & (GRID[..., 0] > -30)
+    beside = tube((-17, 11, 0), (-31, 11, 0), 2.5)
+    away = tube((0, 0, 17), (0, 0, 30), 2.5)
+    atrium = (chamber | beside | away) & (GRID[..., 0] > -44) & ~gap
+    found = trim_veins(atrium, np.zeros_like(atrium), radius=20.0, step=1.3)
+    assert [branch.kind for branch in found.branches].count("leak") == 1
+    kept = GRID[found.atrium]
+    assert kept[:, 0].min() > -23.0
+    assert kept[:, 2].max() > 25.0
+
+
+def test_a_short_neck_to_another_chamber_is_cut_near_the_body():
+    chamber = ball((0, 0, 0), 20.0) | tube((-15, 0, 0), (-25, 0, 0), 5.0)
+    labels = np.where(ball((-44, 0, 0), 16.0), OTHER, np.where(chamber, ATRIUM, 0))
+    found = trim_veins(labels == ATRIUM, labels, radius=20.0, step=1.3)
+    assert found.branches == ()
+    assert GRID[found.atrium][:, 0].min() > -24.0
+    alone = trim_veins(labels == ATRIUM, np.zeros_like(labels), radius=20.0, step=1.3)
+    assert GRID[alone.atrium][:, 0].min() < -25.0
 
 
 def test_chambers_that_hardly_touch_have_no_plane():

@@ -7,18 +7,14 @@ import pytest
 
 from auricle.errors import SurfaceError
 from auricle.surface.halfedges import (
-    EDGE,
+    AFTER,
+    BEFORE,
     NONE,
-    OPPOSITE,
     ORIGIN,
-    SIDE,
-    START,
     boundary_corners,
-    following,
     half_edges,
     merge,
     neighbours,
-    remaining_faces,
 )
 from auricle.surface.shapes import cube, icosphere, joined, rectangle, torus
 from auricle.surface.topology import boundary_loops, unique_edges
@@ -30,33 +26,49 @@ SHAPES = [
 ]
 
 
+def faces_of(links):
+    """Faces that are still there, each from its smallest vertex, sorted."""
+    table = links.half_edges
+    sides = np.flatnonzero((table[:, ORIGIN] != NONE) & (table[:, AFTER] != NONE))
+    around = np.column_stack([sides, table[sides, AFTER], table[sides, BEFORE]])
+    corners = table[around, ORIGIN]
+    return np.array(sorted(corners[corners[:, 0] == corners.min(axis=1)].tolist()))
+
+
+def as_sorted(faces):
+    """Faces each from its smallest vertex, sorted."""
+    turned = [np.roll(face, -int(np.argmin(face))).tolist() for face in faces]
+    return np.array(sorted(turned))
+
+
 def assert_consistent(links):
     """What must hold of every half-edge, edge and vertex that is still there."""
-    origin, opposite, edge = links.half_edges.T
+    origin, after, before, waits = links.half_edges.T
     there = np.flatnonzero(origin != NONE)
-    tip = origin[[following(int(h)) for h in there]]
-    inside = there[opposite[there] != NONE]
-    assert np.array_equal(opposite[opposite[inside]], inside)
-    assert np.array_equal(edge[opposite[inside]], edge[inside])
-    ends = {int(h): (int(origin[h]), int(t)) for h, t in zip(there, tip, strict=True)}
-    assert all(ends[h] == ends[int(opposite[h])][::-1] for h in inside.tolist())
-    left = np.unique(edge[there])
-    sides = links.edges[:, SIDE]
-    assert np.array_equal(np.flatnonzero(sides != NONE), left)
-    assert np.array_equal(edge[sides[left]], left)
+    assert np.array_equal(np.unique(there ^ 1), there)
+    faced = there[after[there] != NONE]
+    assert np.array_equal(after[after[after[faced]]], faced)
+    assert np.array_equal(before[after[faced]], faced)
+    assert np.array_equal(origin[after[faced]], origin[faced ^ 1])
+    assert np.array_equal(there[before[there] != NONE], faced)
+    assert (after[there] != NONE).sum() + (after[there ^ 1] == NONE).sum() == len(there)
+    assert (waits[faced] == 0).all()
     ring = np.empty(200, dtype=np.int32)
     for vertex in np.unique(origin[there]).tolist():
-        start = links.vertices[vertex, START]
+        start = links.starts[vertex]
         assert origin[start] == vertex
-        assert neighbours(links.half_edges, start, ring) == (origin[there] == vertex).sum()
+        n_faces = (origin[faced] == vertex).sum()
+        assert neighbours(links.half_edges, start, ring) == n_faces
+        is_at_boundary = (after[there[origin[there] == vertex]] == NONE).any()
+        assert (ring[0] != ring[n_faces]) == is_at_boundary == (after[start ^ 1] == NONE)
 
 
 @pytest.mark.parametrize("mesh", SHAPES)
 def test_every_side_finds_its_other(mesh):
     links = half_edges(mesh.faces, mesh.n_vertices)
     assert_consistent(links)
-    assert len(links.edges) == len(unique_edges(mesh.faces)[0])
-    assert np.array_equal(remaining_faces(links), mesh.faces)
+    assert len(links.half_edges) == 2 * len(unique_edges(mesh.faces)[0])
+    assert np.array_equal(faces_of(links), as_sorted(mesh.faces))
 
 
 @pytest.mark.parametrize("mesh", SHAPES)
@@ -65,7 +77,7 @@ def test_neighbours_come_around_counter_clockwise(mesh):
     faces = {tuple(np.roll(face, turn)) for face in mesh.faces.tolist() for turn in range(3)}
     ring = np.empty(50, dtype=np.int32)
     for vertex in range(mesh.n_vertices):
-        n_faces = neighbours(links.half_edges, links.vertices[vertex, START], ring)
+        n_faces = neighbours(links.half_edges, links.starts[vertex], ring)
         for second, third in pairwise(ring[: n_faces + 1]):
             assert (vertex, second, third) in faces
 
@@ -82,22 +94,25 @@ def test_the_boundary_is_listed_as_its_faces_run():
 def test_merging_keeps_everything_consistent(mesh, rng):
     links = half_edges(mesh.faces, mesh.n_vertices)
     n_merged = 0
-    for half_edge in rng.permutation(3 * mesh.n_faces):
+    for half_edge in rng.permutation(len(links.half_edges)).tolist():
         table = links.half_edges
-        if table[half_edge, ORIGIN] == NONE:
+        if table[half_edge, ORIGIN] == NONE or table[half_edge, AFTER] == NONE:
             continue
-        one, other = table[half_edge, ORIGIN], table[following(int(half_edge)), ORIGIN]
-        faces = remaining_faces(links)
+        one, other = table[half_edge, ORIGIN], table[half_edge ^ 1, ORIGIN]
+        faces = faces_of(links)
         edges, counts = unique_edges(faces)
         around = [set(edges[(edges == v).any(axis=1)].ravel()) - {one, other} for v in (one, other)]
         border = set(edges[counts == 1].ravel())
-        is_inside = table[half_edge, OPPOSITE] != NONE
+        is_inside = table[half_edge ^ 1, AFTER] != NONE
         if len(around[0] & around[1]) != 1 + is_inside or len(faces) < 8:
             continue
         if is_inside and {one, other} <= border:
             continue
-        merge(links.half_edges, links.edges, links.vertices, int(half_edge))
+        merge(links.half_edges, links.starts, half_edge)
         assert_consistent(links)
+        united = np.where(faces == other, one, faces)
+        whole = [face for face in united.tolist() if len(set(face)) == 3]
+        assert np.array_equal(faces_of(links), as_sorted(whole))
         n_merged += 1
     assert n_merged > 5
 
@@ -125,6 +140,7 @@ def test_two_pieces_are_refused():
         half_edges(two.faces, two.n_vertices)
 
 
-def test_edges_are_numbered_through():
-    links = half_edges(SHAPES[0].faces, SHAPES[0].n_vertices)
-    assert np.array_equal(np.unique(links.half_edges[:, EDGE]), np.arange(len(links.edges)))
+def test_edges_are_numbered_as_they_come_up():
+    links = half_edges(np.array([[0, 1, 2], [2, 1, 3]]), 4)
+    ends = [[0, 1], [1, 2], [2, 0], [1, 3], [3, 2]]
+    assert links.half_edges[:, ORIGIN].reshape(-1, 2).tolist() == ends

@@ -105,7 +105,9 @@ def test_points_are_played_back_in_the_order_of_their_numbers() -> None:
 
 @pytest.mark.slow
 def test_a_real_export_opens_and_plays_back(workspace: Workspace, real_data: Path) -> None:
-    open_path(workspace, real_data / "maps" / "carto3-export" / "carto_flat.zip", Detail(2_000, 100))
+    open_path(
+        workspace, real_data / "maps" / "carto3-export" / "carto_flat.zip", Detail(2_000, 100)
+    )
     assert workspace.require(OpenStudy, "none").described()["study"]["maps"]
     told = workspace.described()
     assert told["case"]["recordings"]

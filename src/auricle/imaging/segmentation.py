@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, binary_fill_holes
 
 from auricle.arrays import Integers, Truths
-from auricle.imaging.chambers import ATRIUM, OTHER, VENTRICLE, Chambers, chambers_of
+from auricle.imaging.chambers import ATRIUM, OTHER, Chambers, chambers_of
 from auricle.imaging.findings import reasons_of
 from auricle.imaging.growing import grown_region, pieces_by_size, spread_labels
 from auricle.imaging.mask import Mask
@@ -132,7 +132,7 @@ def segment(
     progress("veins", 5, 6)
     trimmed = trim_veins(
         _one_piece(labels == ATRIUM),
-        labels == VENTRICLE,
+        labels,
         radius=chambers.radius,
         step=options.step,
         stub=options.vein_stub,

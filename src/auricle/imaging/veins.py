@@ -3,7 +3,9 @@
 The convention: the body is the union of all balls of two thirds of the atrium's largest radius
 that fit into the chamber (a morphological opening); an ostium is where a branch leaves it; a vein
 is kept for a stated length from its ostium, measured inside the blood; the appendage, which is a
-dead end to the left and the front, is kept whole.
+dead end to the left and the front, is kept whole. A leak into another structure is cut at the
+body; what is too short for a vein and touches a leak or another chamber, the neck to that or a part
+of it where contrast is unevenly mixed, is cut 3 mm from the body.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +17,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from auricle.arrays import Integers, Points, Truths
+from auricle.imaging.chambers import OTHER, VENTRICLE
 from auricle.imaging.growing import pieces_by_size
 from auricle.imaging.necks import wall_distance
 
@@ -28,6 +31,8 @@ SHELL_MM = (8.0, 10.0)
 """Distance from the body at which branches are told apart and counted, mm."""
 LEAST_RADIUS_MM = 1.5
 """A thinner branch is no vein but a coronary artery, or noise."""
+TOUCHING_MM = 3.0
+"""Nearer to the body than this, a branch is the body's own skin, which others may touch, mm."""
 LEAK_ML = 40.0
 """A branch that holds more is no vein but another structure."""
 APPENDAGE_ML = (1.0, 30.0)
@@ -82,7 +87,7 @@ class Trimmed:
 
 def trim_veins(
     atrium: Truths,
-    ventricle: Truths,
+    labels: NDArray[np.integer],
     *,
     radius: float,
     step: float,
@@ -93,9 +98,11 @@ def trim_veins(
 
     Parameters
     ----------
-    atrium, ventricle
-        Shape of the lattice (axes left, back, head); the ventricle only so that the mitral cut
-        does not count as a wall.
+    atrium
+        Shape of the lattice (axes left, back, head).
+    labels
+        Territories as `Chambers.labels`, same shape: the mitral cut counts as no wall, and what is
+        short and touches another structure is the neck to that.
     radius
         Of the largest ball in the atrium, mm.
     step
@@ -106,15 +113,18 @@ def trim_veins(
         Whether the lattice's axes are known; if not, no branch is taken for the appendage.
     """
     opening = float(np.clip(BODY_SHARE * radius, *OPENING_RANGE))
-    body = _body(atrium, ventricle, opening, step)
+    body = _body(atrium, labels == VENTRICLE, opening, step)
     ways, marks = _ways_and_branches(body, atrium & ~body, step)
     middle = np.argwhere(body).mean(axis=0) * step
     found = [_branch(marks == mark, ways, step) for mark in range(1, int(marks.max()) + 1)]
     chosen = _appendage(found, middle) if oriented else -1
     beyond = atrium & ~body & (ways > stub)
+    necks = _necks(found, marks, ways, labels == OTHER)
     for number, branch in enumerate(found):
         if branch.kind == "leak":
             beyond |= marks == number + 1
+        elif number in necks:
+            beyond |= (marks == number + 1) & (ways > TOUCHING_MM)
         elif number == chosen:
             found[number] = replace(branch, kind="appendage")
             beyond &= marks != number + 1
@@ -199,6 +209,21 @@ def _branch(branch: Truths, ways: NDArray[np.float32], step: float) -> Branch:
         float(way.max()),
         volume_ml,
     )
+
+
+def _necks(
+    branches: list[Branch], marks: NDArray[np.int32], ways: NDArray[np.float32], others: Truths
+) -> set[int]:
+    """Which branches, too short for a vein, touch a leak or others away from the body."""
+    outer = np.where(ways > TOUCHING_MM, marks, 0)
+    leaks = [number for number, branch in enumerate(branches) if branch.kind == "leak"]
+    elsewhere = others | np.isin(outer, [leak + 1 for leak in leaks])
+    touching = outer[binary_dilation(elsewhere, np.ones((3, 3, 3), dtype=bool))]
+    return {
+        mark - 1
+        for mark in np.unique(touching).tolist()
+        if mark and branches[mark - 1].length < LEAST_LENGTH_MM
+    }
 
 
 def _appendage(branches: list[Branch], middle: Points) -> int:

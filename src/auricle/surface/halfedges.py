@@ -1,8 +1,9 @@
 """Half-edges: the connectivity of a manifold, kept up while edges collapse.
 
-Half-edge 3f + c runs from corner c of face f to the next corner. Around a vertex, half-edges that
-leave it follow one another counter-clockwise; at a boundary vertex the first of them is the one
-with no face on its right.
+Edge e has two half-edges, 2e and 2e + 1, which run opposite ways: from one end of it to the other
+and back. Each belongs to the face on its left; at a boundary one of the two has none. Around a
+vertex, half-edges that leave it follow one another counter-clockwise; at a boundary vertex the
+first of them is the one with no face on its right, and the last has none on its left.
 """
 
 from typing import NamedTuple
@@ -11,41 +12,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auricle.arrays import Faces
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_in_place
 from auricle.errors import SurfaceError
 
 Indices = NDArray[np.int32]
 """What is wanted all over a table at random is fetched faster in 32 bits."""
 
 NONE = -1
-ORIGIN, OPPOSITE, EDGE = 0, 1, 2
-SIDE, WAITS = 0, 1
-START, MARK, WAITING = 0, 1, 2
+ORIGIN, AFTER, BEFORE, WAITS = 0, 1, 2, 3
 
 
 class HalfEdges(NamedTuple):
-    """Connectivity in three tables, which the functions below change in place.
+    """Connectivity in two tables, which the functions below change in place.
 
     Attributes
     ----------
     half_edges
-        Shape (3f, 3). ``ORIGIN``: the vertex each one leaves, -1 once its face is gone;
-        ``OPPOSITE``: the one that runs the other way, -1 at a boundary; ``EDGE``: where it lies.
-    edges
-        Shape (e, 2). ``SIDE``: a half-edge of each, -1 once the edge is gone; ``WAITS``: 0, for
-        those who work with the edges.
-    vertices
-        Shape (n, 3). ``START``: a half-edge that leaves each, the first one at a boundary;
-        ``MARK`` and ``WAITING``: 0, for those who work with the vertices.
+        Shape (2e, 4), so that both of an edge come from memory at once. ``ORIGIN``: the vertex
+        each one leaves, -1 once its edge is gone; ``AFTER`` and ``BEFORE``: the next and the last
+        one around its face, -1 where it has none; ``WAITS``: 0, for those who work with the edges.
+    starts
+        Shape (n,): a half-edge that leaves each vertex, the first one at a boundary.
     """
 
     half_edges: Indices
-    edges: Indices
-    vertices: Indices
+    starts: Indices
 
 
 def half_edges(faces: Faces, n_vertices: int) -> HalfEdges:
     """Work out the connectivity of faces.
+
+    Edges are numbered as they come up along the faces; the first half-edge of each is the one
+    that came up.
 
     Raises
     ------
@@ -55,46 +53,31 @@ def half_edges(faces: Faces, n_vertices: int) -> HalfEdges:
     Examples
     --------
     >>> links = half_edges(np.array([[0, 1, 2], [2, 1, 3]]), 4)
-    >>> links.half_edges[:, OPPOSITE].tolist()
-    [-1, 3, -1, 1, -1, -1]
+    >>> links.half_edges[:4, ORIGIN].tolist(), links.half_edges[:4, AFTER].tolist()
+    ([0, 1, 1, 2], [2, -1, 4, 6])
     """
-    table = np.full((faces.size, 3), NONE, dtype=np.int32)
-    table[:, ORIGIN] = faces.ravel()
-    vertices = np.zeros((n_vertices, 3), dtype=np.int32)
-    if not _linked(table, vertices):
+    origins = faces.astype(np.int32).ravel()
+    opposite = np.full(len(origins), NONE, dtype=np.int32)
+    starts = np.empty(n_vertices, dtype=np.int32)
+    if not _linked(origins, opposite, starts):
         raise SurfaceError("the faces are not one oriented manifold: clean the surface")
-    return HalfEdges(table, _numbered(table), vertices)
-
-
-def remaining_faces(links: HalfEdges) -> Faces:
-    """Faces that are still there, shape (f, 3), in their old order."""
-    corners = links.half_edges[:, ORIGIN].reshape(-1, 3)
-    faces: Faces = corners[corners[:, 0] != NONE].astype(np.int64)
-    return faces
+    n_edges = (len(origins) + int(np.count_nonzero(opposite == NONE))) // 2
+    table = np.full((2 * n_edges, 4), NONE, dtype=np.int32)
+    _fill(table, starts, origins, opposite)
+    return HalfEdges(table, starts)
 
 
 def boundary_corners(links: HalfEdges) -> Faces:
     """List the ends of boundary edges as their faces run, and the corner opposite, (b, 3)."""
-    boundary = np.flatnonzero(links.half_edges[:, OPPOSITE] == NONE)
-    turns = np.arange(3)
-    sides = boundary[:, None] - boundary[:, None] % 3 + (boundary[:, None] + turns) % 3
-    corners: Faces = links.half_edges[sides, ORIGIN].astype(np.int64)
+    table = links.half_edges
+    outside = np.flatnonzero(table[:, AFTER] == NONE)
+    inside = outside ^ 1
+    ends = (table[inside, ORIGIN], table[outside, ORIGIN], table[table[inside, BEFORE], ORIGIN])
+    corners: Faces = np.column_stack(ends).astype(np.int64)
     return corners
 
 
-@compiled
-def following(half_edge: int) -> int:
-    """Next half-edge of the same face."""
-    return half_edge - 2 if half_edge % 3 == 2 else half_edge + 1
-
-
-@compiled
-def preceding(half_edge: int) -> int:
-    """Half-edge before this one in the same face."""
-    return half_edge + 2 if half_edge % 3 == 0 else half_edge - 1
-
-
-@compiled
+@compiled_in_place
 def neighbours(half_edges: Indices, first: int, ring: Indices) -> int:
     """Put the neighbours of a vertex into `ring`, and count the faces around it.
 
@@ -102,129 +85,143 @@ def neighbours(half_edges: Indices, first: int, ring: Indices) -> int:
     more than faces: the last face lies between the last two. Inside the surface the last
     neighbour is the first one again.
     """
-    half_edge = first
-    ring[0] = half_edges[following(first), ORIGIN]
-    count = 0
+    ring[0] = half_edges[first ^ 1, ORIGIN]
+    before, count = half_edges[first, BEFORE], 0
     while True:
-        before = preceding(half_edge)
         count += 1
         ring[count] = half_edges[before, ORIGIN]
-        half_edge = half_edges[before, OPPOSITE]
-        if half_edge < 0 or half_edge == first:
+        half_edge = before ^ 1
+        before = half_edges[half_edge, BEFORE]
+        if before == NONE or half_edge == first:
             return count
 
 
-@compiled
-def merge(half_edges: Indices, edges: Indices, vertices: Indices, half_edge: int) -> None:
+@compiled_in_place
+def merge(half_edges: Indices, starts: Indices, half_edge: int) -> None:
     """Collapse the edge of `half_edge` into its origin; the vertex at its other end is gone.
 
-    The edge must meet the link condition.
+    The half-edge must have a face, and the edge meet the link condition.
     """
-    other = half_edges[half_edge, OPPOSITE]
-    kept, gone = half_edges[half_edge, ORIGIN], half_edges[following(half_edge), ORIGIN]
-    _rename(half_edges, vertices[gone, START], kept)
-    edges[half_edges[half_edge, EDGE], SIDE] = NONE
-    inner = _close(half_edges, edges, vertices, half_edge)
-    if other != NONE:
-        across = _close(half_edges, edges, vertices, other)
-        inner = inner if inner != NONE else across
-    vertices[kept, START] = _first_around(half_edges, inner)
+    other = half_edge ^ 1
+    kept, gone = half_edges[half_edge, ORIGIN], half_edges[other, ORIGIN]
+    is_inside = half_edges[starts[kept] ^ 1, AFTER] != NONE
+    is_inside &= half_edges[starts[gone] ^ 1, AFTER] != NONE
+    _rename(half_edges, starts[gone], kept)
+    inner = _close(half_edges, starts, half_edge)
+    if half_edges[other, AFTER] != NONE:
+        _close(half_edges, starts, other)
+    half_edges[half_edge, ORIGIN] = NONE
+    half_edges[other, ORIGIN] = NONE
+    starts[kept] = inner if is_inside else _first_around(half_edges, inner)
 
 
-@compiled
+@compiled_in_place
 def _rename(half_edges: Indices, first: int, name: int) -> None:
     """Let the half-edges that leave the vertex of `first` leave another one."""
     half_edge = first
     while True:
         half_edges[half_edge, ORIGIN] = name
-        half_edge = half_edges[preceding(half_edge), OPPOSITE]
-        if half_edge < 0 or half_edge == first:
+        if half_edges[half_edge, BEFORE] == NONE:
+            return
+        half_edge = half_edges[half_edge, BEFORE] ^ 1
+        if half_edge == first:
             return
 
 
-@compiled
-def _close(half_edges: Indices, edges: Indices, vertices: Indices, half_edge: int) -> int:
-    """Remove the face of a collapsed half-edge; return a half-edge that leaves the kept vertex.
+@compiled_in_place
+def _close(half_edges: Indices, starts: Indices, half_edge: int) -> int:
+    """Remove the face of a collapsed half-edge; return one that leaves the vertex it came from.
 
-    The other two sides of the face become one edge: their opposites face one another.
+    The other two sides of the face become one edge: that of the side before stays, and takes the
+    place of the other's outer half-edge.
     """
-    after, before = following(half_edge), preceding(half_edge)
-    into, out = half_edges[after, OPPOSITE], half_edges[before, OPPOSITE]
-    apex, edge = half_edges[before, ORIGIN], half_edges[before, EDGE]
-    edges[half_edges[after, EDGE], SIDE] = NONE
-    if into != NONE:
-        half_edges[into, OPPOSITE] = out
-        half_edges[into, EDGE] = edge
-        edges[edge, SIDE] = into
-    if out != NONE:
-        half_edges[out, OPPOSITE] = into
-        half_edges[out, EDGE] = edge
-        edges[edge, SIDE] = out
-    half_edges[half_edge, ORIGIN] = NONE
-    half_edges[after, ORIGIN] = NONE
-    half_edges[before, ORIGIN] = NONE
-    if vertices[apex, START] == before:
-        vertices[apex, START] = into
-    return out if out != NONE else following(into)
+    before = half_edges[half_edge, BEFORE]
+    inner = half_edges[half_edge, AFTER]
+    outer = inner ^ 1
+    after_outer, before_outer = half_edges[outer, AFTER], half_edges[outer, BEFORE]
+    half_edges[before, AFTER] = after_outer
+    half_edges[before, BEFORE] = before_outer
+    if after_outer != NONE:
+        half_edges[after_outer, BEFORE] = before
+        half_edges[before_outer, AFTER] = before
+    apex = half_edges[before, ORIGIN]
+    if starts[apex] == outer:
+        starts[apex] = before
+    half_edges[inner, ORIGIN] = NONE
+    half_edges[outer, ORIGIN] = NONE
+    return int(before ^ 1)
 
 
-@compiled
+@compiled_in_place
 def _first_around(half_edges: Indices, half_edge: int) -> int:
     """Turn clockwise around the origin of `half_edge`, to the boundary or all around."""
     first = half_edge
     while True:
-        before = half_edges[first, OPPOSITE]
-        if before == NONE:
+        clockwise = int(half_edges[first ^ 1, AFTER])
+        if clockwise == NONE:
             return first
-        first = following(before)
+        first = clockwise
         if first == half_edge:
             return first
 
 
+@compiled_in_place
+def _next_corner(corner: int) -> int:
+    return corner - 2 if corner % 3 == 2 else corner + 1
+
+
+@compiled_in_place
+def _last_corner(corner: int) -> int:
+    return corner + 2 if corner % 3 == 0 else corner - 1
+
+
 @compiled
-def _linked(half_edges: Indices, vertices: Indices) -> bool:
-    """Fill in opposites and starts; whether the faces are one oriented manifold piece."""
-    offset, leaving, tips = _grouped(half_edges, len(vertices))
-    if not _find_opposites(half_edges, offset, leaving, tips):
+def _linked(origins: Indices, opposite: Indices, starts: Indices) -> bool:
+    """Find what faces the side that follows each corner, and a corner to start from at each vertex.
+
+    Whether the faces are one oriented manifold piece.
+    """
+    offset, leaving, tips = _grouped(origins, len(starts))
+    if not _find_opposites(opposite, offset, leaving, tips):
         return False
-    for vertex in range(len(vertices)):
+    for vertex in range(len(starts)):
         n_leaving = offset[vertex + 1] - offset[vertex]
         if n_leaving == 0:
             return False
         start = leaving[offset[vertex]]
-        for half_edge in leaving[offset[vertex] : offset[vertex + 1]]:
-            if half_edges[half_edge, OPPOSITE] == NONE:
-                start = half_edge
-        vertices[vertex, START] = start
-        is_folded = n_leaving == 2 and half_edges[start, OPPOSITE] != NONE  # a face and its back
-        if is_folded or _ring_size(half_edges, start) != n_leaving:
+        for corner in leaving[offset[vertex] : offset[vertex + 1]]:
+            if opposite[corner] == NONE:
+                start = corner
+        starts[vertex] = start
+        is_folded = n_leaving == 2 and opposite[start] != NONE  # a face and its back
+        if is_folded or _ring_size(opposite, start) != n_leaving:
             return False
-    return _is_one_piece(half_edges)
+    return _is_one_piece(opposite)
 
 
 @compiled
-def _grouped(half_edges: Indices, n_vertices: int) -> tuple[Indices, Indices, Indices]:
-    """Where each vertex's half-edges begin in the two lists that follow: by origin, their tips."""
+def _grouped(origins: Indices, n_vertices: int) -> tuple[Indices, Indices, Indices]:
+    """Sort corners by vertex: where each vertex begins, which corners, and what comes next."""
     offset = np.zeros(n_vertices + 1, dtype=np.int32)
-    for half_edge in range(len(half_edges)):
-        offset[half_edges[half_edge, ORIGIN] + 1] += 1
-    offset = np.cumsum(offset)
+    for origin in origins:
+        offset[origin + 1] += 1
+    offset = np.cumsum(offset).astype(np.int32)
     free = offset[:-1].copy()
-    leaving = np.empty(len(half_edges), dtype=np.int32)
-    tips = np.empty(len(half_edges), dtype=np.int32)
-    for half_edge in range(len(half_edges)):
-        vertex = half_edges[half_edge, ORIGIN]
-        leaving[free[vertex]] = half_edge
-        tips[free[vertex]] = half_edges[following(half_edge), ORIGIN]
+    leaving = np.empty(len(origins), dtype=np.int32)
+    tips = np.empty(len(origins), dtype=np.int32)
+    for corner in range(len(origins)):
+        vertex = origins[corner]
+        leaving[free[vertex]] = corner
+        tips[free[vertex]] = origins[_next_corner(corner)]
         free[vertex] += 1
     return offset, leaving, tips
 
 
-@compiled
-def _find_opposites(half_edges: Indices, offset: Indices, leaving: Indices, tips: Indices) -> bool:
-    """Find what faces each half-edge; whether no more than one does.
+@compiled_in_place
+def _find_opposites(opposite: Indices, offset: Indices, leaving: Indices, tips: Indices) -> bool:
+    """Find what faces each side; whether no more than one does.
 
-    Half-edges that run the same way where nothing faces them are left to the count of the ring.
+    Sides that run the same way where nothing faces them are left to the count of the ring.
     """
     is_sound = True
     for vertex in range(len(offset) - 1):
@@ -232,34 +229,34 @@ def _find_opposites(half_edges: Indices, offset: Indices, leaving: Indices, tips
             n_facing = 0
             for other in range(offset[tips[place]], offset[tips[place] + 1]):
                 if tips[other] == vertex:
-                    half_edges[leaving[place], OPPOSITE] = leaving[other]
+                    opposite[leaving[place]] = leaving[other]
                     n_facing += 1
             is_sound &= n_facing <= 1
     return is_sound
 
 
-@compiled
-def _ring_size(half_edges: Indices, first: int) -> int:
-    """Count the half-edges around the vertex that `first` leaves, counter-clockwise from it."""
+@compiled_in_place
+def _ring_size(opposite: Indices, first: int) -> int:
+    """Count the corners at the vertex of `first`, counter-clockwise from it."""
     count = 1
-    half_edge = half_edges[preceding(first), OPPOSITE]
-    while half_edge != NONE and half_edge != first:
+    corner = opposite[_last_corner(first)]
+    while corner != NONE and corner != first:
         count += 1
-        half_edge = half_edges[preceding(half_edge), OPPOSITE]
+        corner = opposite[_last_corner(corner)]
     return count
 
 
 @compiled
-def _is_one_piece(half_edges: Indices) -> bool:
+def _is_one_piece(opposite: Indices) -> bool:
     """Whether a walk over edges from the first face reaches all."""
-    n_faces = len(half_edges) // 3
+    n_faces = len(opposite) // 3
     reached = np.zeros(n_faces, dtype=np.bool_)
     found = np.empty(n_faces, dtype=np.int32)
     reached[0], found[0], n_found = True, 0, 1
     n_left = 0
     while n_left < n_found:
-        for half_edge in range(3 * found[n_left], 3 * found[n_left] + 3):
-            face = half_edges[half_edge, OPPOSITE] // 3  # -1 stays -1
+        for corner in range(3 * found[n_left], 3 * found[n_left] + 3):
+            face = opposite[corner] // 3  # -1 stays -1
             if face >= 0 and not reached[face]:
                 reached[face] = True
                 found[n_found] = face
@@ -269,15 +266,22 @@ def _is_one_piece(half_edges: Indices) -> bool:
 
 
 @compiled
-def _numbered(half_edges: Indices) -> Indices:
-    """Fill in the edge of each half-edge; return the table of edges."""
-    edges = np.zeros((len(half_edges), 2), dtype=np.int32)
-    n_edges = 0
-    for half_edge in range(len(half_edges)):
-        if NONE < half_edges[half_edge, OPPOSITE] < half_edge:
-            half_edges[half_edge, EDGE] = half_edges[half_edges[half_edge, OPPOSITE], EDGE]
+def _fill(half_edges: Indices, starts: Indices, origins: Indices, opposite: Indices) -> None:
+    """Fill in the table of half-edges, and let starts be half-edges instead of corners."""
+    number = np.empty(len(origins), dtype=np.int32)
+    n_numbered = 0
+    for corner in range(len(origins)):
+        if NONE < opposite[corner] < corner:
+            number[corner] = number[opposite[corner]] ^ 1
         else:
-            half_edges[half_edge, EDGE] = n_edges
-            edges[n_edges, SIDE] = half_edge
-            n_edges += 1
-    return edges[:n_edges].copy()
+            number[corner] = n_numbered
+            n_numbered += 2
+    for corner in range(len(origins)):
+        half_edge, after = number[corner], _next_corner(corner)
+        half_edges[half_edge, ORIGIN] = origins[corner]
+        half_edges[half_edge ^ 1, ORIGIN] = origins[after]
+        half_edges[half_edge, AFTER] = number[after]
+        half_edges[half_edge, BEFORE] = number[_last_corner(corner)]
+        half_edges[half_edge, WAITS] = 0
+    for vertex in range(len(starts)):
+        starts[vertex] = number[starts[vertex]]

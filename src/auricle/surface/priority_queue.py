@@ -1,8 +1,10 @@
-"""Priority queue of numbered items for keys that mostly grow: a sorted list and a heap.
+"""Priority queue of numbered items for keys that mostly grow: buckets and a small heap.
 
-All items start in a list sorted by key. An item taken from it may come back with another key,
-then into a heap; the smaller of the two heads is the first of all. Where most items are taken
-once or never, the list costs next to nothing.
+A bucket holds the items whose keys begin with the same bits, so that its keys are at most an
+eighth apart. Items of the first bucket are in a heap; when that is empty, the next bucket is
+taken, and whoever takes it may put each item back under another key. An item far from its turn is
+so put in or forgotten at the cost of a note, and the heap stays small enough for the processor's
+cache.
 """
 
 from typing import NamedTuple
@@ -11,88 +13,130 @@ import numpy as np
 from numpy.typing import NDArray
 
 from auricle.arrays import Floats, Integers
-from auricle.compiled import compiled
+from auricle.compiled import compiled_in_place
+
+Items = NDArray[np.int32]
 
 WIDTH = 4
 """Children of a place in the heap: with four, half as deep as with two, in as many cache lines."""
+N_BUCKETS = 1 << 14
+SHIFT = 49
+"""Bits of a key that a bucket leaves open: all but the exponent and three more."""
+N_IN_HEAP, BUCKET = 0, 1
 
 
 class Queue(NamedTuple):
-    """A list and a heap; an item is in one of them or in none.
+    """Buckets and a heap; an item is in one of them or in none.
 
     Attributes
     ----------
-    listed_keys, listed_items
-        Ascending, with an infinite key at the end; shape (n + 1,).
+    heads
+        First item of each bucket, -1 where it is empty.
+    links
+        The item after each one in its bucket, -1 after the last; shape (n,).
     keys, items
         The heap; only its first places count; shape (n + 1,). The first key of an empty heap is
         infinite.
     counts
-        How many were taken off the list, and how many are in the heap.
+        ``N_IN_HEAP``; ``BUCKET``: the one whose items the heap holds, with all below it.
     """
 
-    listed_keys: Floats
-    listed_items: Integers
+    heads: Items
+    links: Items
     keys: Floats
-    items: NDArray[np.int32]
+    items: Items
     counts: Integers
 
 
-def queue_of(keys: Floats) -> Queue:
-    """Queue of the items 0, 1, … with these keys.
+def queue_for(n_items: int) -> Queue:
+    """Return an empty queue for items 0, 1, …, `n_items` - 1.
 
     Examples
     --------
-    >>> queue = queue_of(np.array([3.0, 1.0, 2.0]))
-    >>> queue.counts[0] += 1  # item 1 comes off the list …
-    >>> put(queue.keys, queue.items, queue.counts, 2.5, 1)  # … and goes into the heap
-    >>> put(queue.keys, queue.items, queue.counts, 1.5, 3)
-    >>> drop_first(queue.keys, queue.items, queue.counts)
-    >>> float(queue.listed_keys[queue.counts[0]]), float(queue.keys[0]), int(queue.items[0])
-    (2.0, 2.5, 1)
+    >>> queue, batch = queue_for(3), np.empty(3, dtype=np.int32)
+    >>> for item, key in enumerate([3.0, 1.0, 2.0]):
+    ...     put(queue, key, item)
+    >>> batch[: next_bucket(queue, batch)].tolist()  # item 1 is in the first bucket alone …
+    [1]
+    >>> put(queue, 1.01, 1)  # … and goes into the heap
+    >>> float(queue.keys[0]), int(queue.items[0])
+    (1.01, 1)
     """
-    order = np.argsort(keys)
-    if (keys[order[1:]] == keys[order[:-1]]).any():
-        # The fast sort leaves the order of equal keys to the processor.
-        order = np.argsort(keys, kind="stable")
+    keys = np.empty(n_items + 1)
+    keys[0] = np.inf
     return Queue(
-        np.append(keys[order], np.inf),
-        np.append(order, -1),
-        np.full(len(keys) + 1, np.inf),
-        np.empty(len(keys) + 1, dtype=np.int32),
-        np.zeros(2, dtype=np.int64),
+        np.full(N_BUCKETS, -1, dtype=np.int32),
+        np.empty(n_items, dtype=np.int32),
+        keys,
+        np.empty(n_items + 1, dtype=np.int32),
+        np.array([0, -1], dtype=np.int64),
     )
 
 
-@compiled
-def drop_first(keys: Floats, items: NDArray[np.int32], counts: Integers) -> None:
+@compiled_in_place
+def put(queue: Queue, key: float, item: int) -> None:
+    """Put an item that is in neither into its bucket, or the heap; the key is not negative."""
+    heads, links, keys, items, counts = queue
+    bucket = (np.float64(key).view(np.int64) >> SHIFT) & (N_BUCKETS - 1)  # for -0.0 the last bits
+    if bucket > counts[BUCKET]:
+        links[item] = heads[bucket]
+        heads[bucket] = item
+        return
+    place = counts[N_IN_HEAP]
+    counts[N_IN_HEAP] += 1
+    while place > 0:
+        parent = (place - 1) // WIDTH
+        if not _precedes(key, item, keys[parent], items[parent]):
+            break
+        keys[place] = keys[parent]
+        items[place] = items[parent]
+        place = parent
+    keys[place] = key
+    items[place] = item
+
+
+@compiled_in_place
+def next_bucket(queue: Queue, batch: Items) -> int:
+    """Take the items of the next bucket into `batch`; return how many, 0 once all are empty."""
+    heads, links, _, _, counts = queue
+    for bucket in range(counts[BUCKET] + 1, N_BUCKETS):
+        item = heads[bucket]
+        if item >= 0:
+            heads[bucket] = -1
+            counts[BUCKET] = bucket
+            n_taken = 0
+            while item >= 0:
+                batch[n_taken] = item
+                n_taken += 1
+                item = links[item]
+            return n_taken
+    return 0
+
+
+@compiled_in_place
+def drop_first(queue: Queue) -> None:
     """Take the first item out of the heap."""
-    last = counts[1] - 1
+    _, _, keys, items, counts = queue
+    last = counts[N_IN_HEAP] - 1
     key, item = keys[last], items[last]
     place, child = 0, 1
     while child < last:
         for sibling in range(child + 1, min(child + WIDTH, last)):
-            if keys[sibling] < keys[child]:
+            if _precedes(keys[sibling], items[sibling], keys[child], items[child]):
                 child = sibling
-        if keys[child] >= key:
+        if not _precedes(keys[child], items[child], key, item):
             break
         keys[place] = keys[child]
         items[place] = items[child]
         place, child = child, WIDTH * child + 1
     keys[place] = key
     items[place] = item
-    keys[last] = np.inf
-    counts[1] = last
+    if last == 0:
+        keys[0] = np.inf
+    counts[N_IN_HEAP] = last
 
 
-@compiled
-def put(keys: Floats, items: NDArray[np.int32], counts: Integers, key: float, item: int) -> None:
-    """Put an item that is in neither into the heap."""
-    place = counts[1]
-    counts[1] += 1
-    while place > 0 and keys[(place - 1) // WIDTH] > key:
-        keys[place] = keys[(place - 1) // WIDTH]
-        items[place] = items[(place - 1) // WIDTH]
-        place = (place - 1) // WIDTH
-    keys[place] = key
-    items[place] = item
+@compiled_in_place
+def _precedes(key: float, item: int, other_key: float, other_item: int) -> bool:
+    """Whether an item comes before another; of equal keys, the one with the smaller number."""
+    return key < other_key or (key == other_key and item < other_item)

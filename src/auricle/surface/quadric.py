@@ -15,16 +15,17 @@ from typing import NamedTuple
 import numpy as np
 
 from auricle.arrays import Faces, Floats
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_in_place
+from auricle.surface.quadric_in_space import (
+    FARTHEST,
+    SMALLEST_PIVOT,
+    add_faces_in_space,
+    move_in_space,
+    optimum_in_space,
+)
 
 POSITION = 3
 """Dimensions without features."""
-FARTHEST = 2.0
-"""How far from the middle of an edge its collapse may lead, in lengths of the edge."""
-SMALLEST_PIVOT = 1e-12
-"""Share of a diagonal entry below which elimination leaves nothing but rounding."""
-TINY = 1e-300
-"""Divisor in place of 0, where the quotient is not used."""
 
 
 class Quadrics(NamedTuple):
@@ -77,7 +78,7 @@ def vertex_quadrics(
     >>> found = vertex_quadrics(
     ...     plate.vertices, plate.faces.copy(), none, boundary_weight=0.0, evenness=0.0
     ... )
-    >>> float(found.planes[:, 5].sum())  # A's share across the plane: all of the area
+    >>> round(float(found.planes[:, 5].sum()), 12)  # A's share across the plane: all of the area
     4.0
     """
     dimension = places.shape[1]
@@ -87,7 +88,8 @@ def vertex_quadrics(
         np.zeros((len(places), n_columns)),
         np.zeros((len(places), dimension + 2)),
     )
-    _add_faces(*found, faces, evenness)
+    add_faces = add_faces_in_space if dimension == POSITION else _add_faces
+    add_faces(*found, faces, evenness)
     _add_boundary(found.places, found.planes, boundary, boundary_weight)
     _add_points(found.planes, found.points)
     return found
@@ -98,7 +100,7 @@ def workspace(dimension: int) -> Floats:
     return np.zeros((dimension + 3, dimension))
 
 
-@compiled
+@compiled_in_place
 def optimum(places: Floats, planes: Floats, one: int, other: int, room: Floats) -> float:
     """Least sum of the quadrics of two vertices, mm⁴; where it is goes into ``room[-1]``.
 
@@ -114,7 +116,7 @@ def optimum(places: Floats, planes: Floats, one: int, other: int, room: Floats) 
     return cost
 
 
-@compiled
+@compiled_in_place
 def unite(
     places: Floats, planes: Floats, points: Floats, kept: int, gone: int, room: Floats
 ) -> float:
@@ -123,8 +125,11 @@ def unite(
     The growth is in mm⁴ and leaves out the squared distances to the points.
     """
     before = planes[kept, -1] + planes[gone, -1] - points[kept, -1] - points[gone, -1]
-    _move(places, planes, points, kept, room)
-    _move(places, planes, points, gone, room)
+    for vertex in (kept, gone):
+        if room.shape[1] == POSITION:
+            move_in_space(places, planes, points, vertex, room)
+        else:
+            _move(places, planes, points, vertex, room)
     for column in range(planes.shape[1]):
         planes[kept, column] += planes[gone, column]
     for column in range(points.shape[1]):
@@ -132,47 +137,7 @@ def unite(
     return float(planes[kept, -1] - points[kept, -1] - before)
 
 
-@compiled
-def optimum_in_space(places: Floats, planes: Floats, one: int, other: int, room: Floats) -> float:
-    """Do as `optimum` without features, but return -1 where there is no unique optimum nearby.
-
-    Most of the time goes here. So it is written out, and without a branch between uses of an
-    array, which would have the references to it counted.
-    """
-    u = places[one, 0] - places[other, 0]
-    v = places[one, 1] - places[other, 1]
-    w = places[one, 2] - places[other, 2]
-    xx, xy, yy = planes[other, 0], planes[other, 1], planes[other, 2]
-    xz, yz, zz = planes[other, 3], planes[other, 4], planes[other, 5]
-    x, y, z = xx * u + xy * v + xz * w, xy * u + yy * v + yz * w, xz * u + yz * v + zz * w
-    p, q, r = planes[other, 6], planes[other, 7], planes[other, 8]
-    constant = planes[one, 9] + planes[other, 9]
-    constant += u * (2.0 * p + x) + v * (2.0 * q + y) + w * (2.0 * r + z)
-    x, y, z = x + p + planes[one, 6], y + q + planes[one, 7], z + r + planes[one, 8]
-    xx, xy, yy = xx + planes[one, 0], xy + planes[one, 1], yy + planes[one, 2]
-    xz, yz, zz = xz + planes[one, 3], yz + planes[one, 4], zz + planes[one, 5]
-    pivot = max(xx, TINY)
-    xy_x, xz_x = xy / pivot, xz / pivot
-    second, mixed = yy - xy_x * xy, yz - xy_x * xz
-    is_regular = (xx > 0.0) & (second > SMALLEST_PIVOT * yy)
-    second = max(second, TINY)
-    yz_y = mixed / second
-    third = zz - xz_x * xz - yz_y * mixed
-    is_regular &= third > SMALLEST_PIVOT * zz
-    p, q = -x, xy_x * x - y
-    r = (-z - xz_x * p - yz_y * q) / max(third, TINY)
-    q = q / second - yz_y * r
-    p = p / pivot - xy_x * q - xz_x * r
-    room[-1, 0] = places[one, 0] + p
-    room[-1, 1] = places[one, 1] + q
-    room[-1, 2] = places[one, 2] + r
-    distance = (p + 0.5 * u) ** 2 + (q + 0.5 * v) ** 2 + (r + 0.5 * w) ** 2
-    is_near = distance <= FARTHEST**2 * (u * u + v * v + w * w)
-    cost = max(constant + x * p + y * q + z * r, 0.0)
-    return float(cost if is_regular & is_near else -1.0)
-
-
-@compiled
+@compiled_in_place
 def _optimum_in_features(
     places: Floats, planes: Floats, one: int, other: int, room: Floats
 ) -> float:
@@ -194,7 +159,7 @@ def _optimum_in_features(
     return max(constant, 0.0)
 
 
-@compiled
+@compiled_in_place
 def _sum_about_first(places: Floats, planes: Floats, one: int, other: int, room: Floats) -> float:
     """Sum two quadrics about the first vertex: A and b into `room`, c returned."""
     dimension = room.shape[1]
@@ -219,7 +184,7 @@ def _sum_about_first(places: Floats, planes: Floats, one: int, other: int, room:
     return float(constant)
 
 
-@compiled
+@compiled_in_place
 def _factored(room: Floats) -> bool:
     """Factor A in place by Cholesky's method; whether it is regular."""
     for j in range(room.shape[1]):
@@ -236,7 +201,7 @@ def _factored(room: Floats) -> bool:
     return True
 
 
-@compiled
+@compiled_in_place
 def _substitute(room: Floats) -> None:
     """Solve A y = -b with the factors of A; y into ``room[-1]``."""
     dimension = room.shape[1]
@@ -251,7 +216,7 @@ def _substitute(room: Floats) -> None:
         room[-1, i] /= room[i, i]
 
 
-@compiled
+@compiled_in_place
 def _best_of_three(places: Floats, planes: Floats, one: int, other: int, room: Floats) -> float:
     """Least sum at the two vertices and at their middle, into ``room[-1]``."""
     least, best = np.inf, 0.5
@@ -264,13 +229,13 @@ def _best_of_three(places: Floats, planes: Floats, one: int, other: int, room: F
     return max(least, 0.0)
 
 
-@compiled
+@compiled_in_place
 def _between(places: Floats, one: int, other: int, share: float, room: Floats) -> None:
     for i in range(room.shape[1]):
         room[-1, i] = (1.0 - share) * places[one, i] + share * places[other, i]
 
 
-@compiled
+@compiled_in_place
 def _value(places: Floats, planes: Floats, vertex: int, room: Floats) -> float:
     """Quadric of a vertex at ``room[-1]``."""
     dimension = room.shape[1]
@@ -286,7 +251,7 @@ def _value(places: Floats, planes: Floats, vertex: int, room: Floats) -> float:
     return float(value)
 
 
-@compiled
+@compiled_in_place
 def _move(places: Floats, planes: Floats, points: Floats, vertex: int, room: Floats) -> None:
     """Express the quadric of a vertex about ``room[-1]``, and put the vertex there."""
     dimension = room.shape[1]
@@ -348,7 +313,7 @@ def _add_boundary(places: Floats, planes: Floats, boundary: Faces, weight: float
                     k += 1
 
 
-@compiled
+@compiled_in_place
 def _add_points(planes: Floats, points: Floats) -> None:
     """Add the squared distance to the vertex itself."""
     for vertex in range(len(planes)):
@@ -358,7 +323,7 @@ def _add_points(planes: Floats, points: Floats) -> None:
             planes[vertex, k] += points[vertex, 0]
 
 
-@compiled
+@compiled_in_place
 def _frame(places: Floats, faces: Faces, face: int, along: Floats, across: Floats) -> float:
     """Orthonormal vectors along a triangle, the first along its first side, and its area.
 
@@ -377,7 +342,7 @@ def _frame(places: Floats, faces: Faces, face: int, along: Floats, across: Float
     return 0.5 * base * _normalised(across)
 
 
-@compiled
+@compiled_in_place
 def _normalised(vector: Floats) -> float:
     """Divide a vector by its length, unless that is 0; return the length."""
     squared = 0.0

@@ -7,14 +7,14 @@ and the volume shrinks step by step.
 """
 
 from auricle.arrays import Floats
-from auricle.compiled import compiled
+from auricle.compiled import compiled_in_place
 from auricle.surface.halfedges import Indices
 
 FARTHEST = 0.5
 """How far the optimum may be moved, in lengths of the edge."""
 
 
-@compiled
+@compiled_in_place
 def preserve_volume(
     places: Floats,
     near_one: Indices,
@@ -56,7 +56,7 @@ def preserve_volume(
         room[-1, 2] += r * missing / squared
 
 
-@compiled
+@compiled_in_place
 def _facing(
     places: Floats, origin: int, ring: Indices, n_faces: int, partner: int
 ) -> tuple[float, float, float]:
