@@ -1,6 +1,8 @@
 """A case's key changes with everything its result depends on, and with nothing else."""
 
 import os
+import subprocess
+import sys
 from dataclasses import dataclass
 
 import pytest
@@ -93,3 +95,15 @@ def test_a_case_has_the_same_name_in_a_shard_as_in_the_study(tmp_path) -> None:
         (tmp_path / place).write_text(place)
     whole = identified(study, Choice())
     assert identified(study[1:], Choice(), among=study) == whole[1:]
+
+
+def test_what_is_left_out_of_the_hash_is_not_loaded_by_a_case() -> None:
+    code = (
+        "import sys, auricle.study.paper.case\n"
+        "print(*(name for name in sys.modules if name.startswith('auricle.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = [name.removeprefix("auricle.").replace(".", "/") for name in done.stdout.split()]
+    left_out = [part.removesuffix("/").removesuffix(".py") for part in identity.NOT_OF_A_CASE]
+    assert "study/paper/conventions" in loaded
+    assert not [name for name in loaded if name.startswith(tuple(left_out))]

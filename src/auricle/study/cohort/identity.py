@@ -14,8 +14,19 @@ from auricle.study.cohort.case import Case
 from auricle.study.cohort.sources import case_names, is_generated
 from auricle.study.provenance import versions
 
-_CANNOT_CHANGE_A_NUMBER = ("cli", "report", "viewer", "study/cohort")
-"""Rooms that no computation imports, by the import contract: they are left out of the hash."""
+NOT_OF_A_CASE = (
+    "cli/",
+    "report/",
+    "viewer/",
+    "study/cohort/",
+    "study/paper/claims.py",
+    "study/paper/decay_readings.py",
+    "study/paper/printed.py",
+    "study/paper/reproduction.py",
+    "study/paper/statistics.py",
+    "study/paper/tables.py",
+)
+"""Rooms and files that only look at finished cases, so that no case computes with them."""
 
 _COMPANIONS = {
     ".pts": (".elem", ".dat"),
@@ -97,7 +108,7 @@ def _files(place: Path) -> Iterator[Path]:
 
 @cache
 def code_digest() -> str:
-    """SHA-256 of the package's source that can enter a number: not of the page, not of the runner.
+    """SHA-256 of the package's source that can enter a case: not of the page, not of the runner.
 
     Within one version it tells a result of changed code from one of the code at hand.
     """
@@ -105,7 +116,7 @@ def code_digest() -> str:
     digest = hashlib.sha256()
     for file in sorted(package.rglob("*.py")):
         name = file.relative_to(package).as_posix()
-        if not name.startswith(tuple(f"{room}/" for room in _CANNOT_CHANGE_A_NUMBER)):
+        if not name.startswith(NOT_OF_A_CASE):
             digest.update(f"{name}\n".encode())
             digest.update(file.read_bytes())
     return digest.hexdigest()
