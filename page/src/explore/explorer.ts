@@ -222,7 +222,11 @@ export class Explorer {
     pane.setCaption(state.count === 1 ? "1 harmonic" : `${state.count} harmonics`);
     if (state.colour === "error") this.colourByError(pane, mapError ?? shapeError, field && mapError ? field.unit : "mm", mapError ? "error of the map" : "error of the shape");
     else {
-      const rebuiltMap = withMap && state.rebuild !== "shape" ? Float32Array.from(withMap.values) : field?.values;
+      // What harmonics say where nothing was sampled is made up: it stays grey.
+      const rebuiltMap =
+        withMap && field && state.rebuild !== "shape"
+          ? field.values.map((known, i) => (Number.isFinite(known) ? withMap.values[i] : NaN))
+          : field?.values;
       this.secondBar.show(null, "", "");
       pane.setValues((this.shown = rebuiltMap ?? null), scale);
     }
