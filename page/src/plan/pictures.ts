@@ -54,7 +54,7 @@ export class Pictures {
     this.left.setSurface(surface.positions, surface.faces);
   }
 
-  /** Shows the live map and what is asked for beside it; drawn before it returns. */
+  /** Shows the live map and what is asked for beside it, with the next frame. */
   show(live: Live, shown: Shown): void {
     this.beside(shown.beside !== "none");
     const { state } = live;
@@ -71,7 +71,7 @@ export class Pictures {
       const next = state && shown.showNext ? Float32Array.from(state.next) : new Float32Array(0);
       pane.setPoints("next", { positions: next, colours: NEXT, size: 13 });
     }
-    this.stage.drawNow();
+    this.stage.draw();
   }
 
   dispose(): void {

@@ -236,6 +236,7 @@ export class Planner {
     const corners = [0, 1, 2].map((corner) => faces[3 * place.face + corner]);
     const begun = performance.now();
     await this.takeAt(place.position, corners, place.weights);
+    await new Promise(requestAnimationFrame);
     this.pictures.stage.finish();
     this.lastClickMs = performance.now() - begun;
   }
