@@ -34,7 +34,7 @@ def planning(serve: Serve, browsing: Any, ball: OpenCase) -> Any:
 
 
 def pixels(page: Any) -> int:
-    """A sum over the picture once the layout has settled: the chart appears with the second error."""
+    """A sum over the picture once the layout has settled: a chart appears with the second error."""
     page.evaluate("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))")
     return int(page.evaluate("window.plan.planner.pictures.stage.pixels().sum"))
 
