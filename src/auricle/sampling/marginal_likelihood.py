@@ -83,6 +83,8 @@ class SampleSpectrum:
         Shape (N,): unit vector of the whitened constant.
     noise_shape
         Shape (N,): noise of each sample relative to the root mean square.
+    floor
+        Variance at unit amplitude that every sample has to itself.
     """
 
     length: float
@@ -90,18 +92,37 @@ class SampleSpectrum:
     vectors: Floats
     constant: Floats
     noise_shape: Floats
+    floor: float = 0.0
 
     @classmethod
     def of(
-        cls, at_samples: Modes, prior_variances: PerMode, noise_shape: Floats, *, length: float
+        cls,
+        at_samples: Modes,
+        prior_variances: PerMode,
+        noise_shape: Floats,
+        *,
+        length: float,
+        remainder: Floats | None = None,
     ) -> Self:
-        """Decompose; O(min(N, k)³ + N·k·min(N, k))."""
+        """Decompose; O(min(N, k)³ + N·k·min(N, k)), or O(N³) with a remainder that is correlated.
+
+        The remainder is the covariance of what the samples see beyond the modes, at unit
+        amplitude: shape (N, N), or (N,) if independent from sample to sample.
+        """
         whitened = at_samples / noise_shape[:, None]
         constant = whitened[:, 0] / np.linalg.norm(whitened[:, 0])
         varying = whitened[:, 1:] * np.sqrt(prior_variances[1:])
         varying -= np.outer(constant, constant @ varying)
+        if remainder is not None and remainder.ndim == 2:
+            beyond = remainder / np.outer(noise_shape, noise_shape)
+            beyond -= np.outer(constant, constant @ beyond)
+            beyond -= np.outer(beyond @ constant, constant)
+            eigenvalues, vectors = _kept(*eigh(varying @ varying.T + beyond))
+            return cls(length, eigenvalues, vectors, constant, noise_shape)
         eigenvalues, vectors = _left_singular(varying)
-        return cls(length, eigenvalues, vectors, constant, noise_shape)
+        # Where noises differ the floor is taken at its mean, so that one decomposition does.
+        floor = 0.0 if remainder is None else float(np.mean(remainder / noise_shape**2))
+        return cls(length, eigenvalues, vectors, constant, noise_shape, floor)
 
     @property
     def visible(self) -> float:
@@ -145,6 +166,7 @@ class _Profile:
     n_columns: int
     log_jacobian: float
     belief: Belief
+    floor: float
 
     @classmethod
     def of(cls, spectrum: SampleSpectrum, values: Floats, belief: Belief) -> Self:
@@ -157,16 +179,24 @@ class _Profile:
         log_jacobian = n_columns * float(np.log(spectrum.noise_shape).sum())
         freedom = len(values) - 1
         return cls(
-            spectrum.eigenvalues, energies, float(rest), freedom, n_columns, log_jacobian, belief
+            spectrum.eigenvalues,
+            energies,
+            float(rest),
+            freedom,
+            n_columns,
+            log_jacobian,
+            belief,
+            spectrum.floor,
         )
 
     def at(self, log_ratios: Floats) -> tuple[Floats, Floats, Floats]:
         """Objective, log of the amplitude's square, log likelihood, at each noise ratio."""
         ratios = np.exp(log_ratios)
-        spread = self.eigenvalues + ratios[:, None]
+        alone = self.floor + ratios
+        spread = self.eigenvalues + alone[:, None]
         empty = self.freedom - len(self.eigenvalues)
-        log_determinant = np.log(spread).sum(axis=1) + empty * log_ratios
-        misfit = (self.energies / spread).sum(axis=1) + self.rest / ratios
+        log_determinant = np.log(spread).sum(axis=1) + empty * np.log(alone)
+        misfit = (self.energies / spread).sum(axis=1) + self.rest / alone
         log_variance = self._log_variance(misfit, log_ratios)
         n_values = self.n_columns * self.freedom
         log_likelihood = -0.5 * (
@@ -209,5 +239,10 @@ def _left_singular(matrix: Floats) -> tuple[Floats, Floats]:
     else:
         squares, right = eigh(matrix.T @ matrix)
         vectors = (matrix @ right) / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+    return _kept(squares, vectors)
+
+
+def _kept(squares: Floats, vectors: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues that are not negligible, and their vectors."""
     kept = squares > max(_NEGLIGIBLE, _NEGLIGIBLE * squares[-1])
     return squares[kept], vectors[:, kept]
