@@ -14,6 +14,7 @@ from auricle.sampling.chamber import Chamber
 from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
 from auricle.sampling.matern import matern_variances, split_prior
 from auricle.sampling.posterior import Posterior
+from auricle.sampling.prior_average import averaged, typical_share
 from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
@@ -33,8 +34,11 @@ LENGTH_SPREAD = 1.0
 """Standard deviation of the logarithm of the length in that prior."""
 SMOOTHNESSES = (0.5, 1.0, 1.5, 2.5)
 """ν of the Matérn priors that are averaged over; beforehand each counts as 1/ν, scale-free."""
-LEAST_WEIGHT = 0.03
-"""Probability below which a prior does not enter the average."""
+EDGED = 0.8
+"""Typical share of the residuals (`typical_share`) below which edges are taken to be among them."""
+EDGED_SPREAD = 0.25
+"""Spread of the logarithm of the noise about what typical samples show of it, then."""
+_FEWEST_TYPICAL = 20
 MOST_CORRELATED = 1000
 """Number of samples up to which the prior's detail beyond the harmonics is correlated among them;
 with more it counts as independent, since that costs O(N³)."""
@@ -134,7 +138,10 @@ class GaussianProcess:
         Without a stated smoothness the covariance (and the noise) is the mean of those of every
         smoothness and length, each with its own best amplitude and noise, weighted by their
         probability: one Gaussian prior, so that the reconstruction stays linear. Where the
-        samples tell lengths and smoothness it is that of the best.
+        samples tell lengths and smoothness it is that of the best. Noise is on all samples; where
+        a few are missed by much and most by little (`typical_share`), and nothing is stated of
+        the noise, the map has edges: then the noise is fitted about what typical samples show of
+        it, and the likelihoods count for less.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
         (`NOISE_SHARE`, `NOISE_SPREAD`); on the amplitude one that counts as one sample and is
@@ -160,23 +167,39 @@ class GaussianProcess:
         if noise is not None and not (noise >= 0 and math.isfinite(noise)):
             raise InputError(f"noise {noise}: give 0 or a positive number")
 
-        def at(spectrum: SampleSpectrum) -> Fit:
-            belief = _belief(columns, spectrum, noise, noise_prior)
-            fit = spectrum.fit(columns, belief)
-            off = math.log(spectrum.length / (LENGTH_SHARE * self.diameter)) / LENGTH_SPREAD
-            return replace(fit, objective=fit.objective + off**2 / 2)
+        def fitting(prior: NoisePrior | None) -> Callable[[SampleSpectrum], Fit]:
+            return lambda spectrum: self._fit_of(spectrum, columns, noise, prior)
 
         if self.smoothness is None:
-            found, fit, visible = self._average(at)
+            found, fit, visible = self._average(fitting(noise_prior))
         else:
-            found, fit, visible = self._most_probable(at, self.smoothness)
+            found, fit, visible = self._most_probable(fitting(noise_prior), self.smoothness)
         reconstruction = self.given(values, found)
         unknown = len(columns) < FEWEST_SAMPLES or visible < LEAST_VISIBLE
+        stated = noise is not None or noise_prior is not None
+        if self.smoothness is None and not (stated or unknown or len(columns) < _FEWEST_TYPICAL):
+            share = typical_share(reconstruction.posterior, columns)
+            if 0 < share < EDGED:
+                typical = share * found.noise * float(np.median(self.noise_shape))
+                again = fitting(NoisePrior(typical, EDGED_SPREAD))
+                found, fit, visible = self._average(again, weight=math.sqrt(share))
+                reconstruction = self.given(values, found)
         return replace(
             reconstruction,
             log_marginal_likelihood=fit.log_likelihood,
             knows_nothing=unknown or not float(np.ptp(columns, axis=0).max()) > 0,
         )
+
+    def _fit_of(
+        self,
+        spectrum: SampleSpectrum,
+        columns: Floats,
+        noise: float | None,
+        noise_prior: NoisePrior | None,
+    ) -> Fit:
+        fit = spectrum.fit(columns, _belief(columns, spectrum, noise, noise_prior))
+        off = math.log(spectrum.length / (LENGTH_SHARE * self.diameter)) / LENGTH_SPREAD
+        return replace(fit, objective=fit.objective + off**2 / 2)
 
     def given(self, values: Floats, hyperparameters: Hyperparameters) -> Reconstruction:
         """The map under hyper-parameters that are already known."""
@@ -231,32 +254,14 @@ class GaussianProcess:
         positions = self.sites.positions(self.chamber.mesh)
         return np.asarray(cdist(positions, positions))
 
-    def _average(self, at: Callable[[SampleSpectrum], Fit]) -> tuple[Hyperparameters, Fit, float]:
+    def _average(
+        self, at: Callable[[SampleSpectrum], Fit], *, weight: float = 1.0
+    ) -> tuple[Hyperparameters, Fit, float]:
         candidates = [(nu, length) for nu in SMOOTHNESSES for length in self.lengths]
-        fits = [at(self._spectrum(length, nu, whole=True)) for nu, length in candidates]
-        objectives = [
-            fit.objective + math.log(nu) for fit, (nu, _) in zip(fits, candidates, strict=True)
-        ]
-        best = int(np.argmin(objectives))
-        weights = np.exp(objectives[best] - np.array(objectives))
-        weights /= weights.sum()
-        weights[weights < min(LEAST_WEIGHT, weights[best])] = 0.0
-        weights /= weights.sum()
-        squares = weights * [fit.amplitude**2 for fit in fits]
-        terms = tuple(
-            Term(length, nu, float(square / squares.sum()))
-            for (nu, length), square in zip(candidates, squares, strict=True)
-            if square > 0
-        )
-        nu, length = candidates[best]
-        found = Hyperparameters(
-            length,
-            math.sqrt(squares.sum()),
-            math.sqrt(weights @ [fit.noise**2 for fit in fits]),
-            nu,
-            terms,
-        )
-        return found, fits[best], self._spectrum(length, nu, whole=True).visible
+        spectra = [self._spectrum(length, nu, whole=True) for nu, length in candidates]
+        fits = [at(spectrum) for spectrum in spectra]
+        found, best = averaged(candidates, fits, weight=weight)
+        return found, fits[best], spectra[best].visible
 
     def _most_probable(
         self, at: Callable[[SampleSpectrum], Fit], smoothness: float
