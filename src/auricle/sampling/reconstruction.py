@@ -13,6 +13,8 @@ from auricle.sampling.posterior import Posterior
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.sites import Sites
 
+_ENTRIES_AT_ONCE = 10_000_000
+
 
 @dataclass(frozen=True)
 class Hyperparameters:
@@ -99,7 +101,7 @@ class Reconstruction:
     def mean(self) -> Floats:
         """The map, shape (n,) or (n, c)."""
         values: Floats = self._modes @ self.coefficient_mean
-        if self._detail_weights is None:
+        if self.remainder is None:
             return values
         # The precision is blind to a constant: taken out first, it costs no digits.
         left = self.posterior.precision @ (self.values - self.values.mean(axis=0))
@@ -110,21 +112,32 @@ class Reconstruction:
     def variance(self) -> PerVertex:
         """Posterior variance of the map, shape (n,); the same for every column."""
         carried = self.posterior.covariance.seen_by(self._modes)
-        if self.remainder is None or self._detail_weights is None:
+        if self.remainder is None:
             return carried
-        # With d the detail's covariance with the samples, P the precision and w the weights of
-        # the samples in what the modes carry: τ² − dᵀPd − 2·dᵀw.
-        weights = self._detail_weights
-        detail = self.hyperparameters.amplitude**2 * self.remainder.variance
-        told = weights.multiply(weights @ self.posterior.precision).sum(axis=1)
-        shared = np.einsum("nk,nk->n", self._modes, weights @ self.posterior.operator.T)
-        return np.asarray(np.maximum(carried + detail - told - 2 * shared, 0.0))
+        return np.asarray(np.maximum(carried + self._detail_variance(self.remainder), 0.0))
+
+    def _detail_variance(self, remainder: Remainder) -> PerVertex:
+        """What detail adds to the variance that the modes carry, shape (n,); may be negative.
+
+        With τ² the detail's variance, d its covariance with the samples, P the precision and w
+        the weights of the samples in what the modes carry: τ² − dᵀPd − 2·dᵀw.
+        """
+        added = np.full(len(self._modes), self.hyperparameters.amplitude**2 * remainder.variance)
+        n_samples = len(self.values)
+        rows = max(_ENTRIES_AT_ONCE // n_samples, 1)
+        for start in range(0, len(added), rows):
+            block = slice(start, start + rows)
+            weights = self._detail_weights[block]
+            told = weights.multiply(weights @ self.posterior.precision).sum(axis=1)
+            shared = weights @ self.posterior.operator.T
+            added[block] -= told + 2 * np.einsum("nk,nk->n", self._modes[block], shared)
+        return added
 
     @cached_property
-    def _detail_weights(self) -> csr_array | None:
-        """Covariance of the map's detail at vertices and samples, shape (n, N); None: no detail."""
+    def _detail_weights(self) -> csr_array:
+        """Covariance of the map's detail at vertices and samples, shape (n, N)."""
         if self.remainder is None or self.sites is None:
-            return None
+            return csr_array((len(self._modes), len(self.values)))
         scale = self.hyperparameters.amplitude**2 * self.remainder.variance
         return scale * self.remainder.between(self.chamber, self.sites)
 
