@@ -67,13 +67,25 @@ def designed(chamber: Chamber, design: str, count: int, seed: int) -> Sites:
         return Sites.at_vertices(pivoted_qr_sampling(chamber, count, n_modes=n_modes))
     if design == "random":
         return Sites.at_vertices(random_sampling(chamber, count, rng=rng))
-    centres = random_sampling(chamber, count, rng=rng)
-    pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
-    sites, used = Sites.at_vertices([]), 0
-    while len(sites) < count:
-        used += max(1, (count - len(sites)) // 20)
-        sites = placed(chamber, pattern, centres[:used], angles=angles[:used]).sites
-    return sites[np.arange(count)]
+    # One run of the catheter a seed: the fewer samples are the first of the more.
+    return catheter_run(chamber, COUNTS[-1], rng)[np.arange(count)]
+
+
+def catheter_run(chamber: Chamber, count: int, rng: np.random.Generator) -> Sites:
+    """So many sites of a 20-pole star put down at random, one place after another."""
+    key = (id(chamber), count, rng.bit_generator.state["state"]["state"])
+    if key not in _RUNS:
+        centres = random_sampling(chamber, count, rng=rng)
+        pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
+        sites, used = Sites.at_vertices([]), 0
+        while len(sites) < count:
+            used += max(1, (count - len(sites)) // 20)
+            sites = placed(chamber, pattern, centres[:used], angles=angles[:used]).sites
+        _RUNS[key] = sites
+    return _RUNS[key]
+
+
+_RUNS: dict[tuple[int, int, int], Sites] = {}
 
 
 DESIGNS = ("farthest", "pivoted_qr", "random", "catheter")

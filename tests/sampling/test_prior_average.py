@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from auricle.arrays import Floats
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.gaussian_process import SMOOTHNESSES, GaussianProcess, NoisePrior
-from auricle.sampling.marginal_likelihood import Fit
+from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
 from auricle.sampling.matern import matern_variances
-from auricle.sampling.prior_average import averaged, typical_share
+from auricle.sampling.prior_average import averaged
+from auricle.sampling.reconstruction import Hyperparameters
 from auricle.sampling.sites import Sites
 
 CANDIDATES = ((0.5, 10.0), (1.5, 10.0), (1.5, 30.0))
@@ -87,16 +89,30 @@ def test_a_stated_noise_is_left_alone(fine_chamber: Chamber) -> None:
     assert stated == pytest.approx(0.1, rel=0.15)
 
 
+def share(chamber: Chamber, sites: Sites, values: Floats) -> float:
+    """Typical share of the residuals under a prior of ν = 3/2 whose amplitude and noise are fit."""
+    variances = matern_variances(chamber.basis, length=20.0)
+    at_samples, alike = sites.of(chamber.basis.modes), np.ones(len(sites))
+    spectrum = SampleSpectrum.of(at_samples, variances, alike, length=20.0)
+    fit = spectrum.fit(values, Belief(float(values.std()), 0.1, 1.0))
+    found = GaussianProcess(chamber, sites, n_modes=chamber.basis.n_modes).given(
+        values, Hyperparameters(20.0, fit.amplitude, fit.noise)
+    )
+    residuals, deviations = found.leave_one_out
+    squares = np.square(residuals / deviations[:, None]).sum(axis=1)
+    expected = np.sqrt(
+        np.median(squares) / squares.mean() * values.shape[1] / chi2.median(values.shape[1])
+    )
+    assert spectrum.typical_share(values, fit) == pytest.approx(expected, rel=1e-6)
+    return spectrum.typical_share(values, fit)
+
+
 def test_normal_residuals_are_typical_and_an_edge_is_not(fine_chamber: Chamber) -> None:
     rng = np.random.default_rng(8)
     sites = Sites.at_vertices(rng.choice(2_562, 250, replace=False))
-    process = GaussianProcess(fine_chamber, sites, smoothness=1.5)
     smooth = sites.of(drawn(fine_chamber, 1.5))[:, None] + 0.3 * rng.standard_normal((250, 2))
-    posterior = process.fit(smooth).posterior
-    assert typical_share(posterior, smooth) == pytest.approx(1.0, abs=0.15)
-    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
-    turned = typical_share(posterior, smooth @ turn)
-    assert turned == pytest.approx(typical_share(posterior, smooth), rel=1e-9)
-    edge = sites.of(halves(fine_chamber))[:, None]
-    assert typical_share(process.fit(edge).posterior, edge) < 0.5
-    assert typical_share(posterior, np.ones((250, 1))) == 1.0
+    assert share(fine_chamber, sites, smooth) == pytest.approx(1.0, abs=0.15)
+    turned = smooth @ np.array([[0.6, -0.8], [0.8, 0.6]])
+    same = share(fine_chamber, sites, smooth)
+    assert share(fine_chamber, sites, turned) == pytest.approx(same, rel=1e-6)
+    assert share(fine_chamber, sites, sites.of(halves(fine_chamber))[:, None]) < 0.5

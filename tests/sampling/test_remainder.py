@@ -47,12 +47,25 @@ def test_fewer_harmonics_leave_the_share_that_the_others_held(
 
 
 def test_within_the_harmonics_the_prior_has_the_shape_of_the_whole(fine_chamber: Chamber) -> None:
+    """Where the mesh resolves them: beyond, its eigenvalues are too small and Weyl's are taken."""
     basis = fine_chamber.basis
-    split = split_prior(basis, 100, length=15.0, smoothness=1.0)
-    whole = matern_variances(basis, length=15.0, smoothness=1.0)[:100]
+    split = split_prior(basis, 256, length=15.0, smoothness=1.0)
+    whole = matern_variances(basis, length=15.0, smoothness=1.0)
     ratios = split.variances[1:] / whole[1:]
-    assert ratios == pytest.approx(ratios[0], rel=1e-12)
-    assert split.variances[0] == 0
+    assert ratios[:80] == pytest.approx(ratios[0], rel=1e-12)
+    degrees = np.arange(10, 15)
+    exact = (degrees * (degrees + 1) / 30.0**2 + 2 / 15.0**2) ** -2.0
+    assert split.variances[degrees**2 + degrees] / split.variances[1] == pytest.approx(
+        exact / (2 / 30.0**2 + 2 / 15.0**2) ** -2.0, rel=0.03
+    )
+
+
+def test_harmonics_of_one_frequency_are_as_likely_as_one_another(sphere_chamber: Chamber) -> None:
+    split = split_prior(sphere_chamber.basis, 144, length=15.0, smoothness=0.5)
+    frequencies = sphere_chamber.basis.eigenvalues.round(7)
+    for frequency in np.unique(frequencies):
+        alike = split.variances[frequencies == frequency]
+        assert alike == pytest.approx(alike[0], rel=1e-4)
 
 
 def test_correlations_fall_from_one_and_smoother_ones_later() -> None:
@@ -69,7 +82,7 @@ def test_correlations_fall_from_one_and_smoother_ones_later() -> None:
 def test_beyond_its_reach_the_detail_is_uncorrelated(fine_chamber: Chamber) -> None:
     remainder = Remainder.of(fine_chamber.basis, 100, TERMS)
     assert remainder.correlation(np.array([0.0])) == pytest.approx(1.0)
-    assert float(remainder.correlation(np.array([remainder.reach]))[0]) <= 1e-3
+    assert float(remainder.correlation(np.array([remainder.reach]))[0]) <= 5e-3
     assert 2 < remainder.reach < 60
 
 
@@ -102,7 +115,7 @@ def test_a_sample_without_noise_is_met_though_the_harmonics_are_few(fine_chamber
     process = GaussianProcess(fine_chamber, Sites.at_vertices(chosen), n_modes=30)
     values = np.random.default_rng(5).standard_normal(len(chosen))
     found = process.given(values, replace(KNOWN, noise=1e-4))
-    np.testing.assert_allclose(found.mean[chosen], values, atol=0.01)
+    np.testing.assert_allclose(found.mean[chosen], values, atol=0.04)
     assert found.std[chosen].max() < 0.3 < found.std.mean()
 
 

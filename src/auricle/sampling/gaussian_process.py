@@ -14,7 +14,7 @@ from auricle.sampling.chamber import Chamber
 from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
 from auricle.sampling.matern import matern_variances, split_prior
 from auricle.sampling.posterior import Posterior
-from auricle.sampling.prior_average import averaged, typical_share
+from auricle.sampling.prior_average import averaged
 from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
@@ -35,7 +35,7 @@ LENGTH_SPREAD = 1.0
 SMOOTHNESSES = (0.5, 1.0, 1.5, 2.5)
 """ν of the Matérn priors that are averaged over; beforehand each counts as 1/ν, scale-free."""
 EDGED = 0.8
-"""Typical share of the residuals (`typical_share`) below which edges are taken to be among them."""
+"""`SampleSpectrum.typical_share` below which edges are taken to be among the residuals."""
 EDGED_SPREAD = 0.25
 """Spread of the logarithm of the noise about what typical samples show of it, then."""
 _FEWEST_TYPICAL = 20
@@ -139,9 +139,9 @@ class GaussianProcess:
         smoothness and length, each with its own best amplitude and noise, weighted by their
         probability: one Gaussian prior, so that the reconstruction stays linear. Where the
         samples tell lengths and smoothness it is that of the best. Noise is on all samples; where
-        a few are missed by much and most by little (`typical_share`), and nothing is stated of
-        the noise, the map has edges: then the noise is fitted about what typical samples show of
-        it, and the likelihoods count for less.
+        a few are missed by much and most by little (`SampleSpectrum.typical_share`), and nothing
+        is stated of the noise, the map has edges: then the noise is fitted about what typical
+        samples show of it, and the likelihoods count for less.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
         (`NOISE_SHARE`, `NOISE_SPREAD`); on the amplitude one that counts as one sample and is
@@ -174,16 +174,17 @@ class GaussianProcess:
             found, fit, visible = self._average(fitting(noise_prior))
         else:
             found, fit, visible = self._most_probable(fitting(noise_prior), self.smoothness)
-        reconstruction = self.given(values, found)
         unknown = len(columns) < FEWEST_SAMPLES or visible < LEAST_VISIBLE
         stated = noise is not None or noise_prior is not None
         if self.smoothness is None and not (stated or unknown or len(columns) < _FEWEST_TYPICAL):
-            share = typical_share(reconstruction.posterior, columns)
+            share = self._spectrum(found.length, found.smoothness, whole=True).typical_share(
+                columns, fit
+            )
             if 0 < share < EDGED:
                 typical = share * found.noise * float(np.median(self.noise_shape))
                 again = fitting(NoisePrior(typical, EDGED_SPREAD))
                 found, fit, visible = self._average(again, weight=math.sqrt(share))
-                reconstruction = self.given(values, found)
+        reconstruction = self.given(values, found)
         return replace(
             reconstruction,
             log_marginal_likelihood=fit.log_likelihood,

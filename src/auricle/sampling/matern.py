@@ -64,6 +64,11 @@ def matern_variances(basis: Harmonics, *, length: float, smoothness: float = 1.5
     return variances
 
 
+_EQUAL = 1e-6
+_COARSE_SHARE = 1 / 30
+"""Harmonics a vertex from which on the mesh's eigenvalues are more than 3 % too small."""
+
+
 @dataclass(frozen=True, eq=False)
 class SplitPrior:
     """A Matérn prior of standard deviation 1 in two parts: on some harmonics, and beyond them.
@@ -106,15 +111,32 @@ def split_prior(
     >>> rough.remainder > 10 * smooth.remainder
     True
     """
-    whole = matern_variances(basis, length=length, smoothness=smoothness)[:n_modes]
-    last = float(basis.eigenvalues[n_modes - 1])
+    eigenvalues = _resolved_eigenvalues(basis, n_modes)
+    last = float(eigenvalues[-1])
     scale = length**2 / (2 * smoothness)
     # Relative to the density of the first harmonics, 1: a share of the basis' own Weyl count.
     beyond = n_modes / (last * smoothness * scale) * (1.0 + last * scale) ** -smoothness
-    density = (1.0 + basis.eigenvalues[1:n_modes] * scale) ** -(smoothness + 1)
-    share = float(beyond / (density.sum() + beyond))
-    variances: PerMode = whole * ((1.0 - share) * basis.area / whole.sum())
-    return SplitPrior(variances, share, math.sqrt(1.0 / scale + last))
+    density = (1.0 + eigenvalues * scale) ** -(smoothness + 1)
+    density[0] = 0.0
+    total = float(density.sum() + beyond)
+    variances: PerMode = density * (basis.area / total)
+    return SplitPrior(variances, float(beyond / total), math.sqrt(1.0 / scale + last))
+
+
+def _resolved_eigenvalues(basis: Harmonics, n_modes: int) -> PerMode:
+    """Eigenvalues of the surface, shape (k,): Weyl's where the mesh's fall short of them.
+
+    Those of the mesh are too small by about 0.8·k/n, which would make a prior rougher than it
+    says at short wavelengths; the surface's are 4πk/A to a few per cent there.
+    """
+    found = basis.eigenvalues[:n_modes]
+    # Equal ones share their place: the prior must not tell apart what the surface does not.
+    first = np.searchsorted(found, found * (1 - _EQUAL))
+    last = np.searchsorted(found, found * (1 + _EQUAL), side="right") - 1
+    counts = (first + last) / 2
+    weyl = np.where(counts > _COARSE_SHARE * len(basis.areas), 4 * np.pi * counts / basis.area, 0)
+    eigenvalues: PerMode = np.maximum(found, weyl)
+    return eigenvalues
 
 
 def matern_correlation(distances: Floats, smoothness: float) -> Floats:

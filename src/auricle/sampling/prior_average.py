@@ -1,14 +1,11 @@
-"""The average of several priors, each by its probability; and what samples say of their tails."""
+"""The average of several priors, each by its probability."""
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
-from auricle.arrays import Floats
 from auricle.sampling.marginal_likelihood import Fit
-from auricle.sampling.posterior import Posterior
 from auricle.sampling.reconstruction import Hyperparameters
 from auricle.sampling.remainder import Term
 
@@ -53,25 +50,3 @@ def averaged(
     noise = math.sqrt(shares @ [fit.noise**2 for fit in fits])
     smoothness, length = candidates[best]
     return Hyperparameters(length, math.sqrt(squares.sum()), noise, smoothness, terms), best
-
-
-def typical_share(posterior: Posterior, values: Floats) -> float:
-    """Typical over root mean square size of the standardised leave-one-out residuals.
-
-    About 1 if they are normal, as noise makes them. Far below 1 if a few samples are missed by
-    much and most by little: an edge, which a likelihood of normal noise takes for noise of all.
-
-    Parameters
-    ----------
-    posterior
-        Of the samples.
-    values
-        Shape (N, c).
-    """
-    own = np.sqrt(np.maximum(np.diag(posterior.precision), np.finfo(float).tiny))
-    residuals = (posterior.precision @ (values - values.mean(axis=0))) / own[:, None]
-    # By the squares of a sample's columns together, so that a turned phase has the same.
-    squares = np.square(residuals).sum(axis=1)
-    size = float(squares.mean())
-    normal = float(chi2.median(values.shape[1])) / values.shape[1]
-    return math.sqrt(float(np.median(squares)) / (normal * size)) if size > 0 else 1.0

@@ -14,7 +14,7 @@ from auricle.sampling.matern import matern_correlation, split_prior
 from auricle.sampling.sites import Sites
 from auricle.spectral.harmonics import Harmonics
 
-_NEGLIGIBLE = 1e-3
+_NEGLIGIBLE = 5e-3
 """Correlation below which a sample says nothing of a vertex."""
 
 
