@@ -27,7 +27,9 @@ class Session:
     """Reconstruction while the samples come.
 
     Between refits the hyper-parameters stand still and each sample is absorbed exactly: the
-    state is that of `GaussianProcess.given` with all samples so far.
+    state is that of `GaussianProcess.given` with all samples so far. The prior is one of ν = 3/2
+    on the harmonics, with the most probable length; once the samples are there, a
+    `GaussianProcess` averages over smoothness and length and tells detail beyond the harmonics.
 
     Parameters
     ----------
