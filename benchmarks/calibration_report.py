@@ -5,6 +5,7 @@ python benchmarks/calibration_report.py CELLS.csv RECOMMENDATIONS.csv
 
 import argparse
 import csv
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -135,6 +136,30 @@ def bars_table(cells: Sequence[Row], advised: Sequence[Row]) -> str:
     return table(["asked", "measured", ""], lines)
 
 
+def extent(cells: Sequence[Row]) -> str:
+    """How much of the grid that was asked for is there, in a sentence or two."""
+    counts = Counter(
+        tuple(row[name] for name in ("anatomy", "map", "design", "n", "noise")) for row in cells
+    )
+    asked = N_ATRIA * N_CLASSES * N_DESIGNS * N_COUNTS * N_NOISES
+    seeds = f"{min(counts.values())} to {max(counts.values())}"
+    if min(counts.values()) == max(counts.values()):
+        seeds = str(max(counts.values()))
+    if len(counts) == asked:
+        return f"All {asked:,} cells, {seeds} maps each."
+    by_count = ", ".join(
+        f"{sum(1 for key in counts if key[3] == n)} with {n}" for n in values_of(cells, "n")
+    )
+    return (
+        f"Of {asked:,} cells asked for (6 atria × 5 classes × 4 designs × 6 numbers of samples × 3 "
+        f"levels of noise, 5 maps each) {len(counts):,} were measured, {seeds} maps each: "
+        f"{by_count} samples."
+    )
+
+
+N_ATRIA, N_CLASSES, N_DESIGNS, N_COUNTS, N_NOISES = 6, 5, 4, 6, 3
+
+
 def _bar(asked: str, measured: str, met: bool) -> list[str]:
     return [asked, measured, "met" if met else "**not met**"]
 
@@ -182,10 +207,13 @@ def points_table(rows: Sequence[Row], n: str) -> str:
 
 
 def _curves(rows: Sequence[Row], method: str, n: str) -> Iterable[tuple[list[float], float]]:
+    whole = len(values_of(rows, "n"))
     keys = {(row["anatomy"], row["noise"], row["seed"]) for row in rows}
     for anatomy, noise, seed in sorted(keys):
         some = where(rows, anatomy=anatomy, noise=noise, seed=seed)
         ordered = sorted(some, key=lambda row: float(row["n"]))
+        if len(ordered) < whole:
+            continue
         (own,) = where(some, n=n)
         yield [number(row, method) for row in ordered], number(own, "nrmse")
 
@@ -246,13 +274,12 @@ def main() -> None:
         f"{name} ({float(where(cells, anatomy=name)[0]['area_cm2']):.0f} cm²)"
         for name in values_of(cells, "anatomy")
     )
-    n_seeds = len(values_of(cells, "seed"))
     text = f"""# Calibration
 
 Written by `benchmarks/calibration_report.py` from {len(cells):,} cells of
 `benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`.
 Maps are simulated on real left atria: {anatomies}, simplified to 3,000 vertices;
-750 harmonics; {n_seeds} maps a cell. Designs: farthest points, pivoted QR, random by area, and
+750 harmonics. {extent(cells)} Designs: farthest points, pivoted QR, random by area, and
 `catheter`: a 20-pole star put down at random. Noise: 0, 5 and 20 % of the map's deviation, not
 told to the method. Error: nRMSE over the area that can be sampled.
 
