@@ -5,6 +5,7 @@ python benchmarks/calibration_report.py CELLS.csv RECOMMENDATIONS.csv
 
 import argparse
 import csv
+import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -55,6 +56,8 @@ def coverage_table(rows: Sequence[Row]) -> str:
     def cell(some: Sequence[Row]) -> str:
         shares = [100 * number(row, "coverage95") for row in some]
         detail = [100 * number(row, "coverage95_with_detail") for row in some]
+        if not some:
+            return "–"
         return f"{np.mean(shares):.1f} / {np.mean(detail):.1f}"
 
     counts = values_of(rows, "n")
@@ -77,6 +80,8 @@ def error_table(rows: Sequence[Row], noise: str) -> str:
         for design in values_of(rows, "design"):
             for n in values_of(rows, "n"):
                 some = where(rows, map=name, design=design, n=n, noise=noise)
+                if not some:
+                    continue
                 lines.append(
                     [name, design, n, f"**{median(some, 'nrmse')}**"]
                     + [median(some, each) for each in BASELINES]
@@ -274,14 +279,17 @@ def main() -> None:
         f"{name} ({float(where(cells, anatomy=name)[0]['area_cm2']):.0f} cm²)"
         for name in values_of(cells, "anatomy")
     )
+    about = f"""
+Written by `benchmarks/calibration_report.py` from {len(cells):,} maps rebuilt by
+`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`
+(on {", ".join(values_of(advised, "anatomy"))}). Maps are simulated on real left atria:
+{anatomies}, simplified to 3,000 vertices; 750 harmonics. {extent(cells)} Designs: farthest points,
+pivoted QR, random by area, and `catheter`: a 20-pole star put down at random. Noise: 0, 5 and 20 %
+of the map's deviation, not told to the method. Error: nRMSE over the area that can be sampled.
+"""
     text = f"""# Calibration
 
-Written by `benchmarks/calibration_report.py` from {len(cells):,} cells of
-`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`.
-Maps are simulated on real left atria: {anatomies}, simplified to 3,000 vertices;
-750 harmonics. {extent(cells)} Designs: farthest points, pivoted QR, random by area, and
-`catheter`: a 20-pole star put down at random. Noise: 0, 5 and 20 % of the map's deviation, not
-told to the method. Error: nRMSE over the area that can be sampled.
+{textwrap.fill(" ".join(about.split()), 100, break_on_hyphens=False)}
 
 ## The bars
 
