@@ -258,7 +258,9 @@ class GaussianProcess:
     def _average(
         self, at: Callable[[SampleSpectrum], Fit], *, weight: float = 1.0
     ) -> tuple[Hyperparameters, Fit, float]:
-        candidates = [(nu, length) for nu in SMOOTHNESSES for length in self.lengths]
+        # Of very many samples each decomposition is large: half the lengths keep them in memory.
+        step = 2 if len(self.sites) > MOST_CORRELATED else 1
+        candidates = [(nu, length) for nu in SMOOTHNESSES for length in self.lengths[::step]]
         spectra = [self._spectrum(length, nu, whole=True) for nu, length in candidates]
         fits = [at(spectrum) for spectrum in spectra]
         found, best = averaged(candidates, fits, weight=weight)
