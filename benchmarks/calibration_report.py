@@ -131,12 +131,16 @@ def bars_table(cells: Sequence[Row], advised: Sequence[Row]) -> str:
     tried = [row for row in advised if row["nrmse"]]
     if tried:
         met = 100 * float(np.mean([number(row, "nrmse") <= number(row, "target") for row in tried]))
-        asked = "recommended number reaches the target in at least 90 % of cases not refused"
+        where_tried = f"on {len(values_of(advised, 'anatomy'))} of {N_ATRIA} atria"
+        asked = (
+            "recommended number reaches the target in at least 90 % of cases not refused, "
+            + where_tried
+        )
         lines.append(_bar(asked, f"{met:.1f} %", met >= 90))
         known = [row for row in tried if row["needed"]]
         ratios = [number(row, "recommended") / number(row, "needed") for row in known]
         middle = float(np.median(ratios))
-        asked = "with at most 1.6 times the points needed (median)"
+        asked = f"with at most 1.6 times the points needed (median), {where_tried}"
         lines.append(_bar(asked, f"{middle:.2f}", middle <= 1.6))
     return table(["asked", "measured", ""], lines)
 
@@ -296,7 +300,7 @@ of the map's deviation, not told to the method. Error: nRMSE over the area that 
 {bars_table(cells, advised)}
 
 ## Does the 95 % interval cover 95 %?
-Share of the area inside mean ± 1.96 deviations, %: `std` / `std_with_detail`, mean over the cells.
+Share of the area inside mean ± 1.96 deviations, %: `std` / `std_with_detail`, mean over the maps.
 The second counts what is fitted as noise, beyond the noise put on, as detail of the map.
 
 {coverage_table(cells)}
