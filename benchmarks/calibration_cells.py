@@ -1,19 +1,21 @@
 """The cells of the calibration: one anatomy, every class, design, number of samples and noise.
 
-    python benchmarks/calibration_cells.py OUT.csv [SURFACE …] [--seeds 5] [--vertices 5000]
+    python benchmarks/calibration_cells.py OUT.csv [SURFACE …] [--seeds 5] [--vertices 3000]
 
 For every cell a map of the class is drawn, sampled with noise and rebuilt, by the Gaussian process
 and by the methods mapping systems use, and compared with the truth at every vertex that can be
 sampled. Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. One row a cell
-goes into OUT.csv as soon as an anatomy's is done; `calibration_report.py` makes the tables.
+goes into OUT.csv as soon as it is done, and anatomies that are whole there are left out, so that a
+run can be taken up again; `calibration_report.py` makes the tables.
 """
 
 import argparse
 import csv
 import os
 import sys
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -49,11 +51,9 @@ CLASSES = ("gaussian", "activation", "macro_reentry", "scar", "disc")
 COUNTS = (25, 50, 100, 200, 400, 800)
 NOISES = (0.0, 0.05, 0.2)
 N_MODES = 750
-N_COMPARED, MANY = 2, 800
-"""Seeds that the methods of mapping systems get, as all do from so many samples on."""
 FIELDS = (
     "anatomy", "area_cm2", "map", "design", "n", "noise", "seed", "nrmse", "predicted", "planned",
-    "coverage95", "coverage95_with_detail", "length_mm", "noise_found", *BASELINES,
+    "coverage95", "coverage95_with_detail", "length_mm", "smoothness", "noise_found", *BASELINES,
 )  # fmt: skip
 
 
@@ -67,13 +67,25 @@ def designed(chamber: Chamber, design: str, count: int, seed: int) -> Sites:
         return Sites.at_vertices(pivoted_qr_sampling(chamber, count, n_modes=n_modes))
     if design == "random":
         return Sites.at_vertices(random_sampling(chamber, count, rng=rng))
-    centres = random_sampling(chamber, count, rng=rng)
-    pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
-    sites, used = Sites.at_vertices([]), 0
-    while len(sites) < count:
-        used += max(1, (count - len(sites)) // 20)
-        sites = placed(chamber, pattern, centres[:used], angles=angles[:used]).sites
-    return sites[np.arange(count)]
+    # One run of the catheter a seed: the fewer samples are the first of the more.
+    return catheter_run(chamber, COUNTS[-1], rng)[np.arange(count)]
+
+
+def catheter_run(chamber: Chamber, count: int, rng: np.random.Generator) -> Sites:
+    """So many sites of a 20-pole star put down at random, one place after another."""
+    key = (id(chamber), count, rng.bit_generator.state["state"]["state"])
+    if key not in _RUNS:
+        centres = random_sampling(chamber, count, rng=rng)
+        pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
+        sites, used = Sites.at_vertices([]), 0
+        while len(sites) < count:
+            used += max(1, (count - len(sites)) // 20)
+            sites = placed(chamber, pattern, centres[:used], angles=angles[:used]).sites
+        _RUNS[key] = sites
+    return _RUNS[key]
+
+
+_RUNS: dict[tuple[int, int, int], Sites] = {}
 
 
 DESIGNS = ("farthest", "pivoted_qr", "random", "catheter")
@@ -101,24 +113,64 @@ def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]
     for design in DESIGNS:
         for count in COUNTS:
             shared = design in ("farthest", "pivoted_qr")
-            process = None
-            for seed in range(n_seeds if count < MANY else min(n_seeds, N_COMPARED)):
-                if process is None or not shared:
-                    process = GaussianProcess(chamber, designed(chamber, design, count, seed))
-                    planned = planned_errors(chamber, process.sites, tails)
-                for name in CLASSES:
-                    for noise in NOISES:
-                        yield {
-                            "anatomy": path.stem,
-                            "area_cm2": chamber.accessible_area / 100,
-                            "map": name,
-                            "design": design,
-                            "n": count,
-                            "noise": noise,
-                            "seed": seed,
-                            "planned": planned[name, noise],
-                            **rebuilt(process, maps[name, seed], noise, seed),
-                        }
+            for seeds in [range(n_seeds)] if shared else [[seed] for seed in range(n_seeds)]:
+                process = GaussianProcess(chamber, designed(chamber, design, count, seeds[0]))
+                planned = planned_errors(chamber, process.sites, tails)
+                cases = [
+                    Case(name, noise, seed, maps[name, seed])
+                    for seed in seeds
+                    for name in CLASSES
+                    for noise in NOISES
+                ]
+                others = by_baselines(process, cases)
+                for case in cases:
+                    yield {
+                        "anatomy": path.stem,
+                        "area_cm2": chamber.accessible_area / 100,
+                        "map": case.name,
+                        "design": design,
+                        "n": count,
+                        "noise": case.noise,
+                        "seed": case.seed,
+                        "planned": planned[case.name, case.noise],
+                        **rebuilt(process, case),
+                        **others[case.name, case.noise, case.seed],
+                    }
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One map to sample and rebuild."""
+
+    name: str
+    noise: float
+    seed: int
+    truth: Floats
+
+    def sampled(self, process: GaussianProcess) -> Floats:
+        """Its noisy samples, shape (m, c)."""
+        spread = deviation(process.chamber, self.truth)
+        return noisy(process.sites, self.truth, self.noise, self.seed, spread)
+
+
+def by_baselines(
+    process: GaussianProcess, cases: Sequence[Case]
+) -> dict[tuple[str, float, int], dict[str, float]]:
+    """Errors of the methods of mapping systems, each run once for all maps on the same sites."""
+    chamber = process.chamber
+    values = [case.sampled(process) for case in cases]
+    ends = np.cumsum([each.shape[1] for each in values])[:-1]
+    rebuilt_by = {
+        name: np.split(interpolate(chamber, process.sites, np.hstack(values)), ends, axis=1)
+        for name, interpolate in BASELINES.items()
+    }
+    return {
+        (case.name, case.noise, case.seed): {
+            name: relative_error(chamber, maps[index], case.truth)
+            for name, maps in rebuilt_by.items()
+        }
+        for index, case in enumerate(cases)
+    }
 
 
 def planned_errors(
@@ -173,20 +225,19 @@ def rebuilt_error(process: GaussianProcess, truth: Floats, noise: float, seed: i
     return relative_error(process.chamber, mean, truth)
 
 
-def rebuilt(process: GaussianProcess, truth: Floats, noise: float, seed: int) -> dict[str, float]:
-    """Errors of every method on one map with one level of noise."""
-    chamber, sites = process.chamber, process.sites
+def rebuilt(process: GaussianProcess, case: Case) -> dict[str, float]:
+    """Error of the Gaussian process on one map, and what it says of it."""
+    chamber, truth = process.chamber, case.truth
     spread = deviation(chamber, truth)
-    values = noisy(sites, truth, noise, seed, spread)
-    found = process.fit(values)
+    found = process.fit(case.sampled(process))
     mean = found.mean.reshape(truth.shape)
     off = np.abs(mean - truth)
     covered = {
         "coverage95": off <= 1.96 * found.std[:, None],
         "coverage95_with_detail": off
-        <= 1.96 * found.std_with_detail(noise=noise * spread)[:, None],
+        <= 1.96 * found.std_with_detail(noise=case.noise * spread)[:, None],
     }
-    row = {
+    return {
         "nrmse": relative_error(chamber, mean, truth),
         "predicted": found.predicted_nrmse,
         **{
@@ -194,37 +245,60 @@ def rebuilt(process: GaussianProcess, truth: Floats, noise: float, seed: int) ->
             for name, inside in covered.items()
         },
         "length_mm": found.hyperparameters.length,
+        "smoothness": found.hyperparameters.smoothness,
         "noise_found": float(found.hyperparameters.noise / spread),
     }
-    for name, interpolate in BASELINES.items() if seed < N_COMPARED else ():
-        other = interpolate(chamber, sites, values).reshape(truth.shape)
-        row[name] = relative_error(chamber, other, truth)
-    return row
 
 
-def _of_one(path: Path, n_seeds: int, n_vertices: int) -> list[dict[str, Any]]:
-    return list(cells(path, n_seeds, n_vertices))
+Measure = Callable[[Path, int, int], Iterator[dict[str, Any]]]
+"""From a surface, a number of seeds and one of vertices to the rows of one anatomy."""
 
 
-def main() -> None:
-    """Run every anatomy, two at a time."""
+def measured(measure: Measure, fields: Sequence[str], default_seeds: int = 5) -> None:
+    """Run every anatomy that is not whole yet, and write each row as it comes."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("surfaces", type=Path, nargs="*")
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, default=default_seeds)
     parser.add_argument("--vertices", type=int, default=3000)
-    parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args()
     data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
     surfaces = given.surfaces or [data / name for name in ATRIA]
-    with ProcessPoolExecutor(given.workers) as pool, given.out.open("w", newline="") as file:
-        writer = csv.DictWriter(file, FIELDS)
+    whole = whole_anatomies(given.out, fields)
+    with given.out.open("a", newline="") as file:
+        writer = csv.DictWriter(file, fields)
+        for done, path in enumerate(surfaces):
+            sys.stderr.write(f"{path.stem}: {done} of {len(surfaces)} anatomies before it\n")
+            if path.stem in whole:
+                continue
+            for row in measure(path, given.seeds, given.vertices):
+                writer.writerow(row)
+                file.flush()
+
+
+def whole_anatomies(out: Path, fields: Sequence[str]) -> set[str]:
+    """Anatomies measured to the end in a table; the rows of one broken off are taken out of it.
+
+    Every anatomy but the last is whole; the last is if it has as many rows as the first.
+    """
+    rows: list[dict[str, str]] = []
+    if out.exists():
+        with out.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+    counts = Counter(row["anatomy"] for row in rows)
+    whole = {name for name, count in counts.items() if count == max(counts.values())}
+    if len(counts) == 1:
+        whole = set()
+    with out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, fields)
         writer.writeheader()
-        jobs = [pool.submit(_of_one, path, given.seeds, given.vertices) for path in surfaces]
-        for done, job in enumerate(as_completed(jobs), start=1):
-            writer.writerows(job.result())
-            file.flush()
-            sys.stderr.write(f"{done} of {len(jobs)} anatomies\n")
+        writer.writerows(row for row in rows if row["anatomy"] in whole)
+    return whole
+
+
+def main() -> None:
+    """Measure the cells."""
+    measured(cells, FIELDS)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ python benchmarks/calibration_report.py CELLS.csv RECOMMENDATIONS.csv
 
 import argparse
 import csv
+import textwrap
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -54,6 +56,8 @@ def coverage_table(rows: Sequence[Row]) -> str:
     def cell(some: Sequence[Row]) -> str:
         shares = [100 * number(row, "coverage95") for row in some]
         detail = [100 * number(row, "coverage95_with_detail") for row in some]
+        if not some:
+            return "–"
         return f"{np.mean(shares):.1f} / {np.mean(detail):.1f}"
 
     counts = values_of(rows, "n")
@@ -76,6 +80,8 @@ def error_table(rows: Sequence[Row], noise: str) -> str:
         for design in values_of(rows, "design"):
             for n in values_of(rows, "n"):
                 some = where(rows, map=name, design=design, n=n, noise=noise)
+                if not some:
+                    continue
                 lines.append(
                     [name, design, n, f"**{median(some, 'nrmse')}**"]
                     + [median(some, each) for each in BASELINES]
@@ -101,6 +107,70 @@ def wins_table(rows: Sequence[Row]) -> str:
         all_of_them = np.mean([all(cell["nrmse"] < cell[b] for b in BASELINES) for cell in cells])
         lines.append([label, *(f"{share:.0%}" for share in shares), f"{all_of_them:.0%}"])
     return table(["cells", *BASELINES, "all at once"], lines)
+
+
+def ratios_table(rows: Sequence[Row]) -> str:
+    """Median ratio of the map's error to each method's."""
+    lines = []
+    for label, kept in _groups(rows):
+        cells = _medians(kept)
+        ratios = [np.median([cell["nrmse"] / cell[each] for cell in cells]) for each in BASELINES]
+        lines.append([label, *(f"{ratio:.2f}" for ratio in ratios)])
+    return table(["cells", *BASELINES], lines)
+
+
+def bars_table(cells: Sequence[Row], advised: Sequence[Row]) -> str:
+    """What was asked for, what came out, and whether that is enough."""
+    covered = 100 * float(np.mean([number(row, "coverage95") for row in cells]))
+    lines = [_bar("95 % intervals cover 93–97 %", f"{covered:.1f} %", 93 <= covered <= 97)]
+    medians = _medians(cells)
+    for each in BASELINES:
+        share = 100 * float(np.mean([cell["nrmse"] < cell[each] for cell in medians]))
+        asked = f"smaller error than {each} in at least 90 % of cells"
+        lines.append(_bar(asked, f"{share:.1f} %", share >= 90))
+    tried = [row for row in advised if row["nrmse"]]
+    if tried:
+        met = 100 * float(np.mean([number(row, "nrmse") <= number(row, "target") for row in tried]))
+        where_tried = f"on {len(values_of(advised, 'anatomy'))} of {N_ATRIA} atria"
+        asked = (
+            "recommended number reaches the target in at least 90 % of cases not refused, "
+            + where_tried
+        )
+        lines.append(_bar(asked, f"{met:.1f} %", met >= 90))
+        known = [row for row in tried if row["needed"]]
+        ratios = [number(row, "recommended") / number(row, "needed") for row in known]
+        middle = float(np.median(ratios))
+        asked = f"with at most 1.6 times the points needed (median), {where_tried}"
+        lines.append(_bar(asked, f"{middle:.2f}", middle <= 1.6))
+    return table(["asked", "measured", ""], lines)
+
+
+def extent(cells: Sequence[Row]) -> str:
+    """How much of the grid that was asked for is there, in a sentence or two."""
+    counts = Counter(
+        tuple(row[name] for name in ("anatomy", "map", "design", "n", "noise")) for row in cells
+    )
+    asked = N_ATRIA * N_CLASSES * N_DESIGNS * N_COUNTS * N_NOISES
+    seeds = f"{min(counts.values())} to {max(counts.values())}"
+    if min(counts.values()) == max(counts.values()):
+        seeds = str(max(counts.values()))
+    if len(counts) == asked:
+        return f"All {asked:,} cells, {seeds} maps each."
+    by_count = ", ".join(
+        f"{sum(1 for key in counts if key[3] == n)} with {n}" for n in values_of(cells, "n")
+    )
+    return (
+        f"Of {asked:,} cells asked for (6 atria × 5 classes × 4 designs × 6 numbers of samples × 3 "
+        f"levels of noise, 5 maps each) {len(counts):,} were measured, {seeds} maps each: "
+        f"{by_count} samples."
+    )
+
+
+N_ATRIA, N_CLASSES, N_DESIGNS, N_COUNTS, N_NOISES = 6, 5, 4, 6, 3
+
+
+def _bar(asked: str, measured: str, met: bool) -> list[str]:
+    return [asked, measured, "met" if met else "**not met**"]
 
 
 def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
@@ -146,10 +216,13 @@ def points_table(rows: Sequence[Row], n: str) -> str:
 
 
 def _curves(rows: Sequence[Row], method: str, n: str) -> Iterable[tuple[list[float], float]]:
+    whole = len(values_of(rows, "n"))
     keys = {(row["anatomy"], row["noise"], row["seed"]) for row in rows}
     for anatomy, noise, seed in sorted(keys):
         some = where(rows, anatomy=anatomy, noise=noise, seed=seed)
         ordered = sorted(some, key=lambda row: float(row["n"]))
+        if len(ordered) < whole:
+            continue
         (own,) = where(some, n=n)
         yield [number(row, method) for row in ordered], number(own, "nrmse")
 
@@ -206,27 +279,29 @@ def main() -> None:
         cells = list(csv.DictReader(file))
     with given.recommendations.open(newline="") as file:
         advised = list(csv.DictReader(file))
-    compared = [row for row in cells if row["nearest"]]
     anatomies = ", ".join(
         f"{name} ({float(where(cells, anatomy=name)[0]['area_cm2']):.0f} cm²)"
         for name in values_of(cells, "anatomy")
     )
-    n_seeds = len(values_of(cells, "seed"))
+    about = f"""
+Written by `benchmarks/calibration_report.py` from {len(cells):,} maps rebuilt by
+`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`
+(on {", ".join(values_of(advised, "anatomy"))}). Maps are simulated on real left atria:
+{anatomies}, simplified to 3,000 vertices; 750 harmonics. {extent(cells)} Designs: farthest points,
+pivoted QR, random by area, and `catheter`: a 20-pole star put down at random. Noise: 0, 5 and 20 %
+of the map's deviation, not told to the method. Error: nRMSE over the area that can be sampled.
+"""
     text = f"""# Calibration
 
-Written by `benchmarks/calibration_report.py` from {len(cells):,} cells of
-`benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`.
-Maps are
-simulated on real left atria: {anatomies}, simplified to 3,000 vertices; 750 harmonics;
-{n_seeds} maps a
-cell (2 with 800 samples). Designs: farthest points, pivoted QR, random by area, and `catheter`:
-a 20-pole star put down at
-random. Noise: 0, 5 and 20 % of the map's deviation, not told to the method. Error: nRMSE over the
-area
-that can be sampled.
+{textwrap.fill(" ".join(about.split()), 100, break_on_hyphens=False)}
+
+## The bars
+
+{bars_table(cells, advised)}
 
 ## Does the 95 % interval cover 95 %?
-Share of the area inside mean ± 1.96 deviations, %: `std` / `std_with_detail`, mean over the cells.
+Share of the area inside mean ± 1.96 deviations, %: `std` / `std_with_detail`, mean over the maps.
+The second counts what is fitted as noise, beyond the noise put on, as detail of the map.
 
 {coverage_table(cells)}
 
@@ -238,26 +313,27 @@ By class and by noise, all designs and numbers:
 Share of cells (anatomy × class × design × N × noise, median over seeds) with a smaller error than
 each:
 
-{wins_table(compared)}
+{wins_table(cells)}
+
+Median ratio of auricle's error to each method's, in the same cells:
+
+{ratios_table(cells)}
 
 Samples that each method needs for the error auricle has with 100, over 100 (farthest points,
-median;
-`>`: not reached with 800):
+median; `>`: not reached with 800):
 
-{points_table(compared, "100")}
+{points_table(cells, "100")}
 
 ## The recommended number of points (`auricle plan`)
 Fresh maps, sampled at as many farthest points as recommended; "needed" is the first number of a
-ladder
-(steps of 1.4) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5 and 20
-%.
+ladder (steps of 1.4) at which that very map meets the target. Targets 10, 20 and 30 %, noise 0, 5
+and 20 %.
 
 {recommendation_table(advised)}
 
 ## Errors
 Median nRMSE over anatomies and seeds at 5 % noise. Predicted: by the fitted process; planned:
-before any
-sample, from other maps of the class. Ratios: median (10–90 %).
+before any sample, from other maps of the class. Ratios: median (10–90 %).
 
 {error_table(cells, "0.05")}
 """

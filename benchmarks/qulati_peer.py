@@ -175,7 +175,7 @@ def rebuilt(
     chamber: Chamber, sites: Sites, samples: Floats, *, n_modes: int | None, detail: bool
 ) -> tuple[Floats, Floats]:
     """The mean of the Gaussian process and its deviation, from nothing but the samples."""
-    found = GaussianProcess(chamber, sites, n_modes=n_modes).fit(samples)
+    found = GaussianProcess(chamber, sites, smoothness=1.5, n_modes=n_modes).fit(samples)
     return found.mean, found.std_with_detail() if detail else found.std
 
 

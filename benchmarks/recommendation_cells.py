@@ -7,19 +7,15 @@ drawn with other seeds; then fresh maps are sampled at so many farthest points a
 points truly needed by each map are the first of a ladder of numbers at which it meets the target.
 """
 
-import argparse
-import csv
 import os
-import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-from calibration_cells import ATRIA, CLASSES, N_MODES, NOISES, drawn, rebuilt_error
+from calibration_cells import CLASSES, N_MODES, NOISES, drawn, measured, rebuilt_error
 
 from auricle.sampling.bandwidth import class_tails
 from auricle.sampling.farthest_point import farthest_point_sampling
@@ -87,29 +83,9 @@ def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]
                         }
 
 
-def _of_one(path: Path, n_seeds: int, n_vertices: int) -> list[dict[str, Any]]:
-    return list(cells(path, n_seeds, n_vertices))
-
-
 def main() -> None:
-    """Run every anatomy, two at a time."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("out", type=Path)
-    parser.add_argument("surfaces", type=Path, nargs="*")
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--vertices", type=int, default=3000)
-    parser.add_argument("--workers", type=int, default=2)
-    given = parser.parse_args()
-    data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
-    surfaces = given.surfaces or [data / name for name in ATRIA]
-    with ProcessPoolExecutor(given.workers) as pool, given.out.open("w", newline="") as file:
-        writer = csv.DictWriter(file, FIELDS)
-        writer.writeheader()
-        jobs = [pool.submit(_of_one, path, given.seeds, given.vertices) for path in surfaces]
-        for done, job in enumerate(as_completed(jobs), start=1):
-            writer.writerows(job.result())
-            file.flush()
-            sys.stderr.write(f"{done} of {len(jobs)} anatomies\n")
+    """Measure the cells."""
+    measured(cells, FIELDS)
 
 
 if __name__ == "__main__":

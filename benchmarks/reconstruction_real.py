@@ -13,7 +13,6 @@ import csv
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -48,7 +47,7 @@ FIGURE = FOLDER / "figures" / "reconstruction_real.svg"
 FIELDS = (
     "map", "unit", "deviation", "area_cm2", "design", "n", "seed", "nrmse", "predicted",
     "predicted_with_detail", "planned", "planned_from_other", "coverage95",
-    "coverage95_with_detail", "length_mm", "noise_found", *BASELINES,
+    "coverage95_with_detail", "length_mm", "smoothness", "noise_found", *BASELINES,
     "anatomy", "noise",
 )  # fmt: skip
 
@@ -142,26 +141,22 @@ def rebuilt(chamber: Chamber, sites: Sites, values: PerVertex) -> dict[str, Any]
         "coverage95": covered(found.std),
         "coverage95_with_detail": covered(found.std_with_detail()),
         "length_mm": found.hyperparameters.length,
+        "smoothness": found.hyperparameters.smoothness,
         "noise_found": found.hyperparameters.noise / spread,
         **{name: error(other(chamber, sites, samples)) for name, other in BASELINES.items()},
     }
 
 
-def _of_one(measured: Measured, data: Path, n_seeds: int, n_vertices: int) -> list[Row]:
-    return list(cells(measured, data, n_seeds, n_vertices))
-
-
 def measure(out: Path, given: argparse.Namespace) -> None:
-    """Run every map and write the cells."""
+    """Run every map and write each cell as it comes."""
     data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
-    with ProcessPoolExecutor(given.workers) as pool, out.open("w", newline="") as file:
+    with out.open("w", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
-        jobs = [pool.submit(_of_one, each, data, given.seeds, given.vertices) for each in MAPS]
-        for done, job in enumerate(as_completed(jobs), start=1):
-            writer.writerows(job.result())
-            file.flush()
-            sys.stderr.write(f"{done} of {len(jobs)} maps\n")
+        for each in MAPS:
+            for row in cells(each, data, given.seeds, given.vertices):
+                writer.writerow(row)
+                file.flush()
 
 
 def middle(rows: Sequence[Row], name: str) -> float:
@@ -358,7 +353,6 @@ def main() -> None:
     parser.add_argument("cells", type=Path)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--vertices", type=int, default=10_000)
-    parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--no-cells", action="store_true", help="only report those there are")
     given = parser.parse_args()
     if not given.no_cells:

@@ -72,7 +72,7 @@ def test_hyperparameters_are_found_again(sphere_chamber: Chamber, rng: np.random
     sites = scattered(sphere_chamber, 300, rng)
     truths = from_prior(sphere_chamber, rng, 8)
     values = sites.of(truths) + NOISE * rng.standard_normal((300, 8))
-    found = GaussianProcess(sphere_chamber, sites).fit(values).hyperparameters
+    found = GaussianProcess(sphere_chamber, sites, smoothness=1.5).fit(values).hyperparameters
     assert found.length == pytest.approx(LENGTH, rel=0.15)
     assert found.amplitude == pytest.approx(AMPLITUDE, rel=0.15)
     assert found.noise == pytest.approx(NOISE, rel=0.15)
@@ -85,7 +85,7 @@ def test_likelihood_is_that_of_the_differences_from_one_sample(
     sites = scattered(sphere_chamber, 12, rng)
     values = sites.of(activation(sphere_chamber))
     contrasts = np.linalg.qr(np.column_stack([np.ones(12), np.eye(12)[:, 1:]]))[0][:, 1:]
-    process = GaussianProcess(sphere_chamber, sites, n_modes=144)
+    process = GaussianProcess(sphere_chamber, sites, n_modes=144, smoothness=1.5)
     logs = []
     for noise in (0.2, 2.0):
         found = process.fit(values, noise=noise)

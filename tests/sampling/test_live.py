@@ -6,7 +6,7 @@ import pytest
 from auricle.errors import InputError
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.gaussian_process import GaussianProcess
-from auricle.sampling.live import Session
+from auricle.sampling.live import SMOOTHNESS, Session
 from auricle.sampling.locator import Locator
 from auricle.sampling.posterior import Posterior
 from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
@@ -135,7 +135,9 @@ def test_hyperparameters_are_fitted_when_samples_double_or_on_request(
     assert fitted == [1, 5, 10, 20, 40]
     assert not session.knows_nothing
     session.refit()
-    process = GaussianProcess(sphere_chamber, session.sites, n_modes=session.n_modes)
+    process = GaussianProcess(
+        sphere_chamber, session.sites, n_modes=session.n_modes, smoothness=SMOOTHNESS
+    )
     assert session.hyperparameters == process.fit(session.values).hyperparameters
 
 

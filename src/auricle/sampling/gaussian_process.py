@@ -1,17 +1,22 @@
 """Gaussian-process reconstruction: a map from scattered samples, and how sure it is."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from auricle.arrays import Floats, Modes, PerMode, read_only
 from auricle.errors import InputError
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
-from auricle.sampling.matern import matern_variances
+from auricle.sampling.matern import matern_variances, split_prior
 from auricle.sampling.posterior import Posterior
+from auricle.sampling.prior_average import averaged
 from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
+from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
 from auricle.sampling.sites import Sites
 
@@ -27,6 +32,16 @@ LENGTH_SHARE = 0.25
 """Median of the prior on the correlation length, relative to the diameter √(A/π)."""
 LENGTH_SPREAD = 1.0
 """Standard deviation of the logarithm of the length in that prior."""
+SMOOTHNESSES = (0.5, 1.0, 1.5, 2.5)
+"""ν of the Matérn priors that are averaged over; beforehand each counts as 1/ν, scale-free."""
+EDGED = 0.8
+"""`SampleSpectrum.typical_share` below which edges are taken to be among the residuals."""
+EDGED_SPREAD = 0.25
+"""Spread of the logarithm of the noise about what typical samples show of it, then."""
+_FEWEST_TYPICAL = 20
+MOST_CORRELATED = 1000
+"""Number of samples up to which the prior's detail beyond the harmonics is correlated among them;
+with more it counts as independent, since that costs O(N³)."""
 _LENGTHS_PER_OCTAVE = 2
 _OCTAVES = 4
 _SMALLEST_NOISE = 1e-4
@@ -64,7 +79,9 @@ class GaussianProcess:
     noise_shape
         Noise of each sample relative to the others, shape (N,), positive; None for all alike.
     smoothness
-        ν of the Matérn prior.
+        ν of the Matérn prior, whose most probable length is then taken, on the harmonics alone.
+        None: the prior is averaged over `SMOOTHNESSES` and lengths by their probability, and what
+        it holds beyond the harmonics counts as map.
     n_modes
         How many harmonics carry the map; None for min(n/4, max(300, 2N)) of what there are.
 
@@ -81,7 +98,7 @@ class GaussianProcess:
         sites: Sites,
         *,
         noise_shape: Floats | None = None,
-        smoothness: float = 1.5,
+        smoothness: float | None = None,
         n_modes: int | None = None,
     ) -> None:
         if not len(sites):
@@ -94,7 +111,7 @@ class GaussianProcess:
             raise InputError(f"{self.n_modes} harmonics cannot carry a map: ask for 2 at least")
         self.noise_shape = _checked_shape(noise_shape, len(sites))
         self.at_samples: Modes = sites.of(chamber.basis.modes[:, : self.n_modes])
-        self._spectra: dict[float, SampleSpectrum] = {}
+        self._spectra: dict[tuple[float, float], SampleSpectrum] = {}
 
     @property
     def diameter(self) -> float:
@@ -116,7 +133,15 @@ class GaussianProcess:
         noise: float | None = None,
         noise_prior: NoisePrior | None = None,
     ) -> Reconstruction:
-        """The map, with length, amplitude and noise by penalised marginal likelihood.
+        """The map, with the hyper-parameters by penalised marginal likelihood.
+
+        Without a stated smoothness the covariance (and the noise) is the mean of those of every
+        smoothness and length, each with its own best amplitude and noise, weighted by their
+        probability: one Gaussian prior, so that the reconstruction stays linear. Where the
+        samples tell lengths and smoothness it is that of the best. Noise is on all samples; where
+        a few are missed by much and most by little (`SampleSpectrum.typical_share`), and nothing
+        is stated of the noise, the map has edges: then the noise is fitted about what typical
+        samples show of it, and the likelihoods count for less.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
         (`NOISE_SHARE`, `NOISE_SPREAD`); on the amplitude one that counts as one sample and is
@@ -141,63 +166,143 @@ class GaussianProcess:
         columns = self._checked(values)
         if noise is not None and not (noise >= 0 and math.isfinite(noise)):
             raise InputError(f"noise {noise}: give 0 or a positive number")
-        best, fit, visible = self._most_probable(columns, noise, noise_prior)
-        found = Hyperparameters(best, fit.amplitude, fit.noise, self.smoothness)
-        reconstruction = self.given(values, found)
+
+        def fitting(prior: NoisePrior | None) -> Callable[[SampleSpectrum], Fit]:
+            return lambda spectrum: self._fit_of(spectrum, columns, noise, prior)
+
+        if self.smoothness is None:
+            found, fit, visible = self._average(fitting(noise_prior))
+        else:
+            found, fit, visible = self._most_probable(fitting(noise_prior), self.smoothness)
         unknown = len(columns) < FEWEST_SAMPLES or visible < LEAST_VISIBLE
+        stated = noise is not None or noise_prior is not None
+        if self.smoothness is None and not (stated or unknown or len(columns) < _FEWEST_TYPICAL):
+            share = self._spectrum(found.length, found.smoothness, whole=True).typical_share(
+                columns, fit
+            )
+            if 0 < share < EDGED:
+                typical = share * found.noise * float(np.median(self.noise_shape))
+                again = fitting(NoisePrior(typical, EDGED_SPREAD))
+                found, fit, visible = self._average(again, weight=math.sqrt(share))
+        reconstruction = self.given(values, found)
         return replace(
             reconstruction,
             log_marginal_likelihood=fit.log_likelihood,
             knows_nothing=unknown or not float(np.ptp(columns, axis=0).max()) > 0,
         )
 
+    def _fit_of(
+        self,
+        spectrum: SampleSpectrum,
+        columns: Floats,
+        noise: float | None,
+        noise_prior: NoisePrior | None,
+    ) -> Fit:
+        fit = spectrum.fit(columns, _belief(columns, spectrum, noise, noise_prior))
+        off = math.log(spectrum.length / (LENGTH_SHARE * self.diameter)) / LENGTH_SPREAD
+        return replace(fit, objective=fit.objective + off**2 / 2)
+
     def given(self, values: Floats, hyperparameters: Hyperparameters) -> Reconstruction:
         """The map under hyper-parameters that are already known."""
         self._checked(values)
         posterior = self.posterior(hyperparameters)
-        return Reconstruction(self.chamber, posterior, read_only(values, float), hyperparameters)
+        return Reconstruction(
+            self.chamber,
+            posterior,
+            read_only(values, float),
+            hyperparameters,
+            remainder=self._remainder(hyperparameters.terms) if hyperparameters.terms else None,
+            sites=self.sites,
+        )
 
     def posterior(self, hyperparameters: Hyperparameters) -> Posterior:
         """What these sites leave unknown of any map: needs no values."""
-        variances = hyperparameters.amplitude**2 * self._unit_variances(
-            hyperparameters.length, hyperparameters.smoothness
-        )
         noise = np.square(hyperparameters.noise * self.noise_shape)
-        return Posterior.of(self.at_samples, variances, noise)
+        variance = hyperparameters.amplitude**2
+        if not hyperparameters.terms:
+            variances = self._on_modes(hyperparameters.length, hyperparameters.smoothness)
+            return Posterior.of(self.at_samples, variance * variances, noise)
+        return Posterior.of(
+            self.at_samples,
+            variance * self._within(hyperparameters.terms),
+            noise,
+            remainder=variance * self._beyond(hyperparameters.terms),
+        )
+
+    def _within(self, terms: tuple[Term, ...]) -> PerMode:
+        """Variances of the coefficients under a prior of several terms, shape (k,)."""
+        variances = np.zeros(self.n_modes)
+        for term in terms:
+            part = split_prior(
+                self.chamber.basis, self.n_modes, length=term.length, smoothness=term.smoothness
+            )
+            variances += term.share * part.variances
+        return variances
+
+    def _beyond(self, terms: tuple[Term, ...]) -> Floats:
+        """Covariance at the samples of what such a prior holds beyond the modes."""
+        remainder = self._remainder(terms)
+        if len(self.sites) > MOST_CORRELATED:
+            return np.full(len(self.sites), remainder.variance)
+        return remainder.variance * remainder.correlation(self._distances)
+
+    def _remainder(self, terms: tuple[Term, ...]) -> Remainder:
+        return Remainder.of(self.chamber.basis, self.n_modes, terms)
+
+    @cached_property
+    def _distances(self) -> Floats:
+        """Straight ways between the samples, shape (N, N), mm."""
+        positions = self.sites.positions(self.chamber.mesh)
+        return np.asarray(cdist(positions, positions))
+
+    def _average(
+        self, at: Callable[[SampleSpectrum], Fit], *, weight: float = 1.0
+    ) -> tuple[Hyperparameters, Fit, float]:
+        # Of very many samples each decomposition is large: half the lengths keep them in memory.
+        step = 2 if len(self.sites) > MOST_CORRELATED else 1
+        candidates = [(nu, length) for nu in SMOOTHNESSES for length in self.lengths[::step]]
+        spectra = [self._spectrum(length, nu, whole=True) for nu, length in candidates]
+        fits = [at(spectrum) for spectrum in spectra]
+        found, best = averaged(candidates, fits, weight=weight)
+        return found, fits[best], spectra[best].visible
 
     def _most_probable(
-        self, values: Floats, noise: float | None, noise_prior: NoisePrior | None
-    ) -> tuple[float, Fit, float]:
-        def at(spectrum: SampleSpectrum) -> Fit:
-            belief = _belief(values, spectrum, noise, noise_prior)
-            fit = spectrum.fit(values, belief)
-            off = math.log(spectrum.length / (LENGTH_SHARE * self.diameter)) / LENGTH_SPREAD
-            return replace(fit, objective=fit.objective + off**2 / 2)
+        self, at: Callable[[SampleSpectrum], Fit], smoothness: float
+    ) -> tuple[Hyperparameters, Fit, float]:
+        def found(spectrum: SampleSpectrum, fit: Fit) -> tuple[Hyperparameters, Fit, float]:
+            best = Hyperparameters(spectrum.length, fit.amplitude, fit.noise, smoothness)
+            return best, fit, spectrum.visible
 
-        lengths = self.lengths
-        fits = [at(self._spectrum(length)) for length in lengths]
+        spectra = [self._spectrum(length, smoothness, whole=False) for length in self.lengths]
+        fits = [at(spectrum) for spectrum in spectra]
         objectives = [fit.objective for fit in fits]
         best = int(np.argmin(objectives))
-        length, fit = lengths[best], fits[best]
-        spectrum = self._spectrum(length)
-        if 0 < best < len(lengths) - 1:
+        if 0 < best < len(spectra) - 1:
             shift = _parabola_minimum(objectives[best - 1 : best + 2])
-            between = self._decomposed(length * 2 ** (shift / _LENGTHS_PER_OCTAVE))
+            length = spectra[best].length * 2 ** (shift / _LENGTHS_PER_OCTAVE)
+            between = self._decomposed(length, smoothness, whole=False)
             refined = at(between)
-            if refined.objective < fit.objective:
-                return between.length, refined, between.visible
-        return length, fit, spectrum.visible
+            if refined.objective < fits[best].objective:
+                return found(between, refined)
+        return found(spectra[best], fits[best])
 
-    def _spectrum(self, length: float) -> SampleSpectrum:
-        if length not in self._spectra:
-            self._spectra[length] = self._decomposed(length)
-        return self._spectra[length]
+    def _spectrum(self, length: float, smoothness: float, *, whole: bool) -> SampleSpectrum:
+        key = (length, smoothness)
+        if key not in self._spectra:
+            self._spectra[key] = self._decomposed(length, smoothness, whole=whole)
+        return self._spectra[key]
 
-    def _decomposed(self, length: float) -> SampleSpectrum:
-        variances = self._unit_variances(length, self.smoothness)
-        return SampleSpectrum.of(self.at_samples, variances, self.noise_shape, length=length)
+    def _decomposed(self, length: float, smoothness: float, *, whole: bool) -> SampleSpectrum:
+        terms = (Term(length, smoothness, 1.0),)
+        return SampleSpectrum.of(
+            self.at_samples,
+            self._within(terms) if whole else self._on_modes(length, smoothness),
+            self.noise_shape,
+            length=length,
+            remainder=self._beyond(terms) if whole else None,
+        )
 
-    def _unit_variances(self, length: float, smoothness: float) -> PerMode:
+    def _on_modes(self, length: float, smoothness: float) -> PerMode:
         # Over all modes there are: what those beyond n_modes hold is no part of the map.
         variances = matern_variances(self.chamber.basis, length=length, smoothness=smoothness)
         return variances[: self.n_modes]
@@ -218,7 +323,7 @@ def reconstruct(
     chamber: Chamber,
     *,
     noise_prior: NoisePrior | None = None,
-    smoothness: float = 1.5,
+    smoothness: float | None = None,
     n_modes: int | None = None,
 ) -> Reconstruction:
     """The map of samples on a chamber: `GaussianProcess` and its `fit` in one step.

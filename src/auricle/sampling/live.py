@@ -17,6 +17,8 @@ from auricle.sampling.sites import Sites
 
 MOST_MODES = 500
 """Harmonics a session uses unless told otherwise."""
+SMOOTHNESS = 1.5
+"""ν of a session's prior unless hyper-parameters were given."""
 FIRST_REFITS = (1, 5, 10)
 """Numbers of samples at which hyper-parameters are fitted anew; then whenever these double."""
 
@@ -25,7 +27,9 @@ class Session:
     """Reconstruction while the samples come.
 
     Between refits the hyper-parameters stand still and each sample is absorbed exactly: the
-    state is that of `GaussianProcess.given` with all samples so far.
+    state is that of `GaussianProcess.given` with all samples so far. The prior is one of ν = 3/2
+    on the harmonics, with the most probable length; once the samples are there, a
+    `GaussianProcess` averages over smoothness and length and tells detail beyond the harmonics.
 
     Parameters
     ----------
@@ -245,7 +249,9 @@ class Session:
         return self._running, self.hyperparameters.noise**2
 
     def _process(self) -> GaussianProcess:
-        smoothness = 1.5 if self._hyperparameters is None else self._hyperparameters.smoothness
+        smoothness = (
+            SMOOTHNESS if self._hyperparameters is None else self._hyperparameters.smoothness
+        )
         return GaussianProcess(
             self.chamber, self.sites, n_modes=self.n_modes, smoothness=smoothness
         )

@@ -6,14 +6,16 @@ from typing import Self
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.optimize import minimize_scalar
 from scipy.special import wrightomega
+from scipy.stats import chi2
 
 from auricle.arrays import Floats, Modes, PerMode
 from auricle.errors import InputError
 
 _RATIOS = np.geomspace(1e-8, 1e3, 45)
 """Noise variance over the map's variance, as searched."""
+_FINER, _REFINEMENTS = 17, 3
+"""Ratios tried about the best, and how often: to a thousandth of the ratio's logarithm."""
 _NEGLIGIBLE = 1e-12
 
 
@@ -83,6 +85,8 @@ class SampleSpectrum:
         Shape (N,): unit vector of the whitened constant.
     noise_shape
         Shape (N,): noise of each sample relative to the root mean square.
+    floor
+        Variance at unit amplitude that every sample has to itself.
     """
 
     length: float
@@ -90,18 +94,37 @@ class SampleSpectrum:
     vectors: Floats
     constant: Floats
     noise_shape: Floats
+    floor: float = 0.0
 
     @classmethod
     def of(
-        cls, at_samples: Modes, prior_variances: PerMode, noise_shape: Floats, *, length: float
+        cls,
+        at_samples: Modes,
+        prior_variances: PerMode,
+        noise_shape: Floats,
+        *,
+        length: float,
+        remainder: Floats | None = None,
     ) -> Self:
-        """Decompose; O(min(N, k)³ + N·k·min(N, k))."""
+        """Decompose; O(min(N, k)³ + N·k·min(N, k)), or O(N³) with a remainder that is correlated.
+
+        The remainder is the covariance of what the samples see beyond the modes, at unit
+        amplitude: shape (N, N), or (N,) if independent from sample to sample.
+        """
         whitened = at_samples / noise_shape[:, None]
         constant = whitened[:, 0] / np.linalg.norm(whitened[:, 0])
         varying = whitened[:, 1:] * np.sqrt(prior_variances[1:])
         varying -= np.outer(constant, constant @ varying)
+        if remainder is not None and remainder.ndim == 2:
+            beyond = remainder / np.outer(noise_shape, noise_shape)
+            beyond -= np.outer(constant, constant @ beyond)
+            beyond -= np.outer(beyond @ constant, constant)
+            eigenvalues, vectors = _kept(*eigh(varying @ varying.T + beyond))
+            return cls(length, eigenvalues, vectors, constant, noise_shape)
         eigenvalues, vectors = _left_singular(varying)
-        return cls(length, eigenvalues, vectors, constant, noise_shape)
+        # Where noises differ the floor is taken at its mean, so that one decomposition does.
+        floor = 0.0 if remainder is None else float(np.mean(remainder / noise_shape**2))
+        return cls(length, eigenvalues, vectors, constant, noise_shape, floor)
 
     @property
     def visible(self) -> float:
@@ -117,14 +140,11 @@ class SampleSpectrum:
         profile = _Profile.of(self, values, belief)
         objectives = profile.at(np.log(_RATIOS))[0]
         best = int(objectives.argmin())
-        low, high = max(best - 1, 0), min(best + 1, len(_RATIOS) - 1)
-        found = minimize_scalar(
-            lambda log_ratio: float(profile.at(np.array([log_ratio]))[0][0]),
-            bounds=(math.log(_RATIOS[low]), math.log(_RATIOS[high])),
-            method="bounded",
-            options={"xatol": 1e-3},
-        )
-        at = np.array([found.x if found.fun < objectives[best] else math.log(_RATIOS[best])])
+        at, reach = np.log(_RATIOS[[best]]), math.log(_RATIOS[1] / _RATIOS[0])
+        for _ in range(_REFINEMENTS):
+            around = at + np.linspace(-reach, reach, _FINER)
+            at = around[[int(profile.at(around)[0].argmin())]]
+            reach *= 2 / (_FINER - 1)
         objective, log_variance, log_likelihood = (float(each[0]) for each in profile.at(at))
         return Fit(
             math.exp(log_variance / 2),
@@ -132,6 +152,31 @@ class SampleSpectrum:
             objective,
             log_likelihood,
         )
+
+    def typical_share(self, values: Floats, fit: Fit) -> float:
+        """Typical over root mean square size of the standardised leave-one-out residuals.
+
+        About 1 if they are normal, as noise makes them. Far below 1 if a few samples are missed
+        by much and most by little: an edge, which a likelihood of normal noise takes for noise
+        of all. By the squares of a sample's columns together, so that a turned phase has the same.
+
+        Parameters
+        ----------
+        values
+            Shape (N, c).
+        fit
+            Amplitude and noise.
+        """
+        alone = self.floor + (fit.noise / fit.amplitude) ** 2
+        beside = 1 / (self.eigenvalues + alone) - 1 / alone
+        whitened = values / self.noise_shape[:, None]
+        whitened = whitened - np.outer(self.constant, self.constant @ whitened)
+        seen = self.vectors @ (beside[:, None] * (self.vectors.T @ whitened)) + whitened / alone
+        own = np.square(self.vectors) @ beside + (1 - self.constant**2) / alone
+        squares = np.square(seen).sum(axis=1) / np.maximum(own, np.finfo(float).tiny)
+        size = float(squares.mean())
+        normal = float(chi2.median(values.shape[1])) / values.shape[1]
+        return math.sqrt(float(np.median(squares)) / (normal * size)) if size > 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +190,7 @@ class _Profile:
     n_columns: int
     log_jacobian: float
     belief: Belief
+    floor: float
 
     @classmethod
     def of(cls, spectrum: SampleSpectrum, values: Floats, belief: Belief) -> Self:
@@ -157,16 +203,24 @@ class _Profile:
         log_jacobian = n_columns * float(np.log(spectrum.noise_shape).sum())
         freedom = len(values) - 1
         return cls(
-            spectrum.eigenvalues, energies, float(rest), freedom, n_columns, log_jacobian, belief
+            spectrum.eigenvalues,
+            energies,
+            float(rest),
+            freedom,
+            n_columns,
+            log_jacobian,
+            belief,
+            spectrum.floor,
         )
 
     def at(self, log_ratios: Floats) -> tuple[Floats, Floats, Floats]:
         """Objective, log of the amplitude's square, log likelihood, at each noise ratio."""
         ratios = np.exp(log_ratios)
-        spread = self.eigenvalues + ratios[:, None]
+        alone = self.floor + ratios
+        spread = self.eigenvalues + alone[:, None]
         empty = self.freedom - len(self.eigenvalues)
-        log_determinant = np.log(spread).sum(axis=1) + empty * log_ratios
-        misfit = (self.energies / spread).sum(axis=1) + self.rest / ratios
+        log_determinant = np.log(spread).sum(axis=1) + empty * np.log(alone)
+        misfit = (self.energies / spread).sum(axis=1) + self.rest / alone
         log_variance = self._log_variance(misfit, log_ratios)
         n_values = self.n_columns * self.freedom
         log_likelihood = -0.5 * (
@@ -209,5 +263,10 @@ def _left_singular(matrix: Floats) -> tuple[Floats, Floats]:
     else:
         squares, right = eigh(matrix.T @ matrix)
         vectors = (matrix @ right) / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+    return _kept(squares, vectors)
+
+
+def _kept(squares: Floats, vectors: Floats) -> tuple[Floats, Floats]:
+    """Eigenvalues that are not negligible, and their vectors."""
     kept = squares > max(_NEGLIGIBLE, _NEGLIGIBLE * squares[-1])
     return squares[kept], vectors[:, kept]

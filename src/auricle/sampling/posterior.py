@@ -86,6 +86,9 @@ class Posterior:
         Shape (k,); 0 for the constant, whose prior is flat.
     noise_variances
         Shape (N,).
+    remainder
+        Covariance of what the map has at the samples beyond the modes: shape (N, N), or (N,) if
+        independent; None for nothing.
     """
 
     at_samples: Modes
@@ -94,9 +97,17 @@ class Posterior:
     covariance: Covariance
     prior_variances: PerMode
     noise_variances: Floats
+    remainder: Floats | None = None
 
     @classmethod
-    def of(cls, at_samples: Modes, prior_variances: PerMode, noise_variances: Floats) -> Self:
+    def of(
+        cls,
+        at_samples: Modes,
+        prior_variances: PerMode,
+        noise_variances: Floats,
+        *,
+        remainder: Floats | None = None,
+    ) -> Self:
         """Condition the prior on samples at the places where the modes are `at_samples`.
 
         Costs O(N²·(N + k)) with fewer samples than modes, O(k²·(N + k)) otherwise.
@@ -109,6 +120,9 @@ class Posterior:
             Shape (k,), positive but for the first, which is not read.
         noise_variances
             Shape (N,), positive.
+        remainder
+            Covariance of the map at the samples beyond the modes, shape (N, N); O(N³) then. Of
+            shape (N,) if independent from sample to sample.
 
         Raises
         ------
@@ -121,10 +135,11 @@ class Posterior:
             raise InputError("the noise of a sample is not positive: give what it may be off by")
         prior = prior_variances.copy()
         prior[0] = 0.0
-        few = len(at_samples) < at_samples.shape[1]
+        own = _own(noise_variances, remainder)
+        few = len(at_samples) < at_samples.shape[1] or own.ndim == 2
         condition = _among_samples if few else _among_modes
-        operator, precision, covariance = condition(at_samples, prior, noise_variances)
-        return cls(at_samples, operator, precision, covariance, prior, noise_variances)
+        operator, precision, covariance = condition(at_samples, prior, own)
+        return cls(at_samples, operator, precision, covariance, prior, noise_variances, remainder)
 
     def leave_one_out(self, values: Floats) -> tuple[Floats, Floats]:
         """Each value minus its prediction from all the others, and that difference's deviation.
@@ -153,20 +168,36 @@ class Posterior:
         prior = np.sqrt(self.prior_variances)[:, None] * rng.standard_normal(
             (len(self.prior_variances), count)
         )
-        noise = np.sqrt(self.noise_variances)[:, None] * rng.standard_normal(
-            (len(self.noise_variances), count)
+        own = _own(self.noise_variances, self.remainder)
+        noise = rng.standard_normal((len(own), count))
+        noise = (
+            cholesky(own, lower=True) @ noise if own.ndim == 2 else np.sqrt(own)[:, None] * noise
         )
         deviations: Floats = prior - self.operator @ (self.at_samples @ prior + noise)
         return deviations
 
 
+def _own(noise_variances: Floats, remainder: Floats | None) -> Floats:
+    """Covariance of what a sample has that the modes do not carry, (N, N) or its diagonal (N,)."""
+    if remainder is None:
+        return noise_variances
+    if remainder.ndim == 1:
+        return np.asarray(noise_variances + remainder)
+    own = remainder.copy()
+    own[np.diag_indices_from(own)] += noise_variances
+    return own
+
+
 def _among_samples(
-    at_samples: Modes, prior: PerMode, noise: Floats
+    at_samples: Modes, prior: PerMode, own: Floats
 ) -> tuple[Floats, Floats, Covariance]:
     """By the covariance of the N values: for fewer samples than modes."""
     cross = prior[:, None] * at_samples.T
     among = at_samples @ cross
-    among[np.diag_indices_from(among)] += noise
+    if own.ndim == 2:
+        among += own
+    else:
+        among[np.diag_indices_from(among)] += own
     factor = cholesky(among, lower=True)
     constant = at_samples[:, 0]
     seen = cho_solve((factor, True), constant)

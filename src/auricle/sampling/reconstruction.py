@@ -5,10 +5,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from auricle.arrays import Floats, Modes, PerMode, PerVertex
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.posterior import Posterior
+from auricle.sampling.remainder import Remainder, Term
+from auricle.sampling.sites import Sites
+
+_ENTRIES_AT_ONCE = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -18,19 +23,23 @@ class Hyperparameters:
     Attributes
     ----------
     length
-        Correlation length of the Matérn prior, mm.
+        Correlation length of the Matérn prior, mm; with several terms of the most probable.
     amplitude
         Prior standard deviation of the map's varying part, in the map's unit.
     noise
         Standard deviation of a sample (root mean square over the samples), in the map's unit.
     smoothness
-        ν of the Matérn prior.
+        ν of the Matérn prior; with several terms of the most probable.
+    terms
+        What the prior is a mean of, each with what it holds beyond the harmonics; empty for one
+        Matérn prior on the harmonics alone.
     """
 
     length: float
     amplitude: float
     noise: float
     smoothness: float = 1.5
+    terms: tuple[Term, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +64,10 @@ class Reconstruction:
     knows_nothing
         Whether the samples (fewer than five, all equal, all in one place) say so little that
         amplitude and length are guesses, and with them every number here.
+    remainder
+        What the prior holds beyond the harmonics; None for nothing.
+    sites
+        Where the samples are; needed with a remainder.
     """
 
     chamber: Chamber
@@ -63,6 +76,8 @@ class Reconstruction:
     hyperparameters: Hyperparameters
     log_marginal_likelihood: float = math.nan
     knows_nothing: bool = False
+    remainder: Remainder | None = None
+    sites: Sites | None = None
 
     @property
     def _modes(self) -> Modes:
@@ -86,12 +101,45 @@ class Reconstruction:
     def mean(self) -> Floats:
         """The map, shape (n,) or (n, c)."""
         values: Floats = self._modes @ self.coefficient_mean
-        return values
+        if self.remainder is None:
+            return values
+        # The precision is blind to a constant: taken out first, it costs no digits.
+        left = self.posterior.precision @ (self.values - self.values.mean(axis=0))
+        detailed: Floats = values + self._detail_weights @ left
+        return detailed
 
     @cached_property
     def variance(self) -> PerVertex:
         """Posterior variance of the map, shape (n,); the same for every column."""
-        return self.posterior.covariance.seen_by(self._modes)
+        carried = self.posterior.covariance.seen_by(self._modes)
+        if self.remainder is None:
+            return carried
+        return np.asarray(np.maximum(carried + self._detail_variance(self.remainder), 0.0))
+
+    def _detail_variance(self, remainder: Remainder) -> PerVertex:
+        """What detail adds to the variance that the modes carry, shape (n,); may be negative.
+
+        With τ² the detail's variance, d its covariance with the samples, P the precision and w
+        the weights of the samples in what the modes carry: τ² − dᵀPd − 2·dᵀw.
+        """
+        added = np.full(len(self._modes), self.hyperparameters.amplitude**2 * remainder.variance)
+        n_samples = len(self.values)
+        rows = max(_ENTRIES_AT_ONCE // n_samples, 1)
+        for start in range(0, len(added), rows):
+            block = slice(start, start + rows)
+            weights = self._detail_weights[block]
+            told = weights.multiply(weights @ self.posterior.precision).sum(axis=1)
+            shared = weights @ self.posterior.operator.T
+            added[block] -= told + 2 * np.einsum("nk,nk->n", self._modes[block], shared)
+        return added
+
+    @cached_property
+    def _detail_weights(self) -> csr_array:
+        """Covariance of the map's detail at vertices and samples, shape (n, N)."""
+        if self.remainder is None or self.sites is None:
+            return csr_array((len(self._modes), len(self.values)))
+        scale = self.hyperparameters.amplitude**2 * self.remainder.variance
+        return scale * self.remainder.between(self.chamber, self.sites)
 
     @property
     def std(self) -> PerVertex:
@@ -124,7 +172,8 @@ class Reconstruction:
     def predicted_nrmse(self) -> float:
         """Expected error over the accessible area, relative to the map's expected deviation.
 
-        √(E‖error‖² / E‖map − its mean‖²), both given the samples.
+        √(E‖error‖² / E‖map − its mean‖²), both given the samples; what the prior holds beyond
+        the harmonics is in both.
         """
         error, variation = self._expected_squares
         return math.sqrt(error / variation)
@@ -137,6 +186,8 @@ class Reconstruction:
         # tr(GΣ)/A: the mean of the variance, without looking at every vertex.
         gram = self.chamber.accessible_gram[:k, :k]
         error = float(np.vdot(gram, covariance)) / self.chamber.accessible_area
+        if self.remainder is not None:
+            error = self.chamber.mean(self.variance)
         columns = self.mean.reshape(len(self.mean), -1)
         varying = float(
             np.mean(
@@ -181,7 +232,8 @@ class Reconstruction:
     def draw(self, rng: np.random.Generator, count: int) -> Floats:
         """Maps that agree with the samples as well as the truth may, shape (count, n).
 
-        Of the first column if there are several.
+        Of the first column if there are several. What the harmonics carry: detail beyond them,
+        which is nearly independent from vertex to vertex, is left out.
         """
         mean = self.coefficient_mean.reshape(len(self.coefficient_mean), -1)[:, :1]
         maps: Floats = (self._modes @ (mean + self.posterior.draw(rng, count))).T

@@ -88,9 +88,19 @@ def _isolated(
     for suspect in np.setdiff1d(suspects, known, assume_unique=True).tolist():
         around = neighbours[suspect]
         beyond_half = (values[suspect] - values[around]) / residuals[suspect] < 0.5
-        if not beyond_half.any() and not np.isin(around, chosen).any():
+        lonely = not beyond_half.any() and not np.isin(around, chosen).any()
+        if lonely and _without(reconstruction, suspect, chosen) > THRESHOLD * scale:
             chosen.append(suspect)
     return np.array(chosen[:most], dtype=np.int64)
+
+
+def _without(reconstruction: Reconstruction, suspect: int, chosen: list[int]) -> float:
+    """Standardised residual of a sample predicted without those already doubted, in closed form."""
+    left_out = [suspect, *chosen]
+    precision = reconstruction.posterior.precision
+    seen = precision[left_out] @ (reconstruction.values - reconstruction.values.mean())
+    covariance = np.linalg.inv(precision[np.ix_(left_out, left_out)])
+    return float(abs(covariance[0] @ seen) / np.sqrt(covariance[0, 0]))
 
 
 def _nearest_samples(process: GaussianProcess, reconstruction: Reconstruction) -> Integers:
