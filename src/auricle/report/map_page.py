@@ -361,7 +361,9 @@ def _fitted_rows(result: MappingResult) -> list[tuple[str, str]]:
         if cyclic
         else _with_unit(found.amplitude, result)
     )
+    averaged = f" (the likeliest of {len(found.terms)} averaged)" if len(found.terms) > 1 else ""
     return [
-        ("Correlation length (fitted)", f"{number(found.length)} mm"),
+        ("Correlation length (fitted)", f"{number(found.length)} mm{averaged}"),
+        ("Smoothness ν (fitted)", f"{found.smoothness:g}{averaged}"),
         ("Amplitude (fitted)", amplitude),
     ]

@@ -108,21 +108,27 @@ class Reconstruction:
         detailed: Floats = values + self._detail_weights @ left
         return detailed
 
+    @property
+    def detail_variance(self) -> float:
+        """Prior variance of what the map holds beyond the harmonics, in the map's unit squared."""
+        scale = self.hyperparameters.amplitude**2
+        return scale * self.remainder.variance if self.remainder else 0.0
+
     @cached_property
     def variance(self) -> PerVertex:
         """Posterior variance of the map, shape (n,); the same for every column."""
         carried = self.posterior.covariance.seen_by(self._modes)
         if self.remainder is None:
             return carried
-        return np.asarray(np.maximum(carried + self._detail_variance(self.remainder), 0.0))
+        return np.asarray(np.maximum(carried + self._added_by_detail(), 0.0))
 
-    def _detail_variance(self, remainder: Remainder) -> PerVertex:
+    def _added_by_detail(self) -> PerVertex:
         """What detail adds to the variance that the modes carry, shape (n,); may be negative.
 
         With τ² the detail's variance, d its covariance with the samples, P the precision and w
         the weights of the samples in what the modes carry: τ² − dᵀPd − 2·dᵀw.
         """
-        added = np.full(len(self._modes), self.hyperparameters.amplitude**2 * remainder.variance)
+        added = np.full(len(self._modes), self.detail_variance)
         n_samples = len(self.values)
         rows = max(_ENTRIES_AT_ONCE // n_samples, 1)
         for start in range(0, len(added), rows):
@@ -138,8 +144,7 @@ class Reconstruction:
         """Covariance of the map's detail at vertices and samples, shape (n, N)."""
         if self.remainder is None or self.sites is None:
             return csr_array((len(self._modes), len(self.values)))
-        scale = self.hyperparameters.amplitude**2 * self.remainder.variance
-        return scale * self.remainder.between(self.chamber, self.sites)
+        return self.detail_variance * self.remainder.between(self.chamber, self.sites)
 
     @property
     def std(self) -> PerVertex:

@@ -216,7 +216,8 @@ def _next(
     values = found.values.reshape(len(found.values), -1)[:, 0]
     gram = chamber.accessible_gram[:k, :k]
     running = RunningPosterior.of(chamber, gram, found.posterior, values)
-    noise_variance = (fitted.noise / fitted.unit) ** 2
+    # Detail that the harmonics do not carry blurs what a sample says of them, as noise does.
+    noise_variance = (fitted.noise / fitted.unit) ** 2 + found.detail_variance
     return next_points(running, config.n_next, noise_variance, allowed=allowed)
 
 

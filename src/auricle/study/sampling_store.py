@@ -91,7 +91,7 @@ def mapping_document(result: MappingResult) -> dict[str, Any]:
     }
 
 
-def _hyperparameters(result: MappingResult) -> dict[str, float] | None:
+def _hyperparameters(result: MappingResult) -> dict[str, Any] | None:
     found = result.hyperparameters
     if found is None:
         return None
@@ -100,6 +100,10 @@ def _hyperparameters(result: MappingResult) -> dict[str, float] | None:
         "amplitude": found.amplitude,
         "noise": found.noise,
         "smoothness": found.smoothness,
+        "terms": [
+            {"length_mm": term.length, "smoothness": term.smoothness, "share": term.share}
+            for term in found.terms
+        ],
     }
 
 
