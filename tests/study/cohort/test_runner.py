@@ -28,11 +28,11 @@ def cases_in(inputs: Path, parameters) -> tuple[Case, ...]:
 
 
 def results(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in (folder / "cases").glob("*.json")}
+    return {path.name: path.read_bytes() for path in (folder / "cases").glob("[!.]*.json")}
 
 
 def times(folder: Path) -> dict[str, int]:
-    return {path.name: path.stat().st_mtime_ns for path in (folder / "cases").glob("*.json")}
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "cases").glob("[!.]*.json")}
 
 
 @pytest.fixture

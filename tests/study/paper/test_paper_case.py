@@ -152,9 +152,12 @@ def test_more_vertices_are_another_look_at_the_same_maps(tmp_path):
     found = case_of(tmp_path, bumpy(), finer_vertices=(1_200, 100_000), n_modes=200)
     (finer,) = found["beyond"]["resolution"]
     assert finer["n_vertices"] == 1_200
-    wide = next(each for each in finer["features"] if each["size"] == "wide")
-    base = next(each for each in found["features"] if (each["size"], each["n_foci"]) == ("wide", 1))
-    assert np.subtract(wide["counts"]["0.9"], base["counts"]["0.9"]) == pytest.approx(0, abs=2)
+    same = [each for each in found["features"] if each["n_foci"] == 1]
+    for again, before in zip(finer["features"], same, strict=True):
+        assert again["size"] == before["size"]
+        # Six hundred vertices are coarse: one size up or down changes a count by four.
+        ratios = np.divide(again["counts"]["0.9"], before["counts"]["0.9"])
+        assert ratios == pytest.approx(1, abs=0.3)
     assert finer["geometry"]["0.9"] == found["geometry"]["counts"]["0.9"]
 
 
