@@ -51,6 +51,18 @@ def test_an_operator_that_was_refused_is_named(made_up: ModuleType) -> None:
     assert "case: as printed, voronoi (no certificate)" in reproduction_markdown([case])
 
 
+def test_a_case_with_a_refused_operator_takes_no_reading_from_the_others(
+    made_up: ModuleType,
+) -> None:
+    solved, refused = made_up.document(made_up.only_true), made_up.document(made_up.only_true)
+    refused["conventions"]["refused"] = [
+        {"operator": "as_printed", "dual_cell": "third", "reason": "no certificate"}
+    ]
+    text = reproduction_markdown([solved, refused])
+    assert "Cases left out, since an operator was not solved: case: as printed, third" in text
+    assert reproduction_markdown([solved]).split("## All readings")[1] in text
+
+
 def test_surfaces_of_another_resolution_and_widths_at_an_end_are_said_to_be_so(
     made_up: ModuleType,
 ) -> None:

@@ -274,6 +274,24 @@ def _method(found: Evidence) -> str:
     )
 
 
+def _refusals(found: Evidence) -> Iterator[str]:
+    """Which operators were not solved on which cases, and what was done about it."""
+    if found.left_out:
+        yield f"Cases left out, since an operator was not solved: {_refused(found.left_out)}."
+    elif any(each["conventions"]["refused"] for each in found.documents):
+        yield f"Not solved, and left out for all cases: {_refused(found.documents)}."
+    else:
+        yield "Every operator was solved on every case."
+
+
+def _refused(documents: Sequence[Values]) -> str:
+    return "; ".join(
+        f"{each['name']}: {row['operator'].replace('_', ' ')}, {row['dual_cell']} ({row['reason']})"
+        for each in documents
+        for row in each["conventions"]["refused"]
+    )
+
+
 def _limits(found: Evidence) -> Iterator[str]:
     balances = [
         abs(balance - 1.0)
@@ -298,16 +316,7 @@ def _limits(found: Evidence) -> Iterator[str]:
             f"The nearest reading's widths reach an end of the range tried, {edges[0]:g} to "
             f"{edges[1]:g} mm: with others it could come nearer."
         )
-    refused = [
-        f"{each['name']}: {row['operator'].replace('_', ' ')}, {row['dual_cell']} ({row['reason']})"
-        for each in found.documents
-        for row in each["conventions"]["refused"]
-    ]
-    yield (
-        f"Not solved, and left out for all cases: {'; '.join(refused)}."
-        if refused
-        else "Every operator was solved on every case."
-    )
+    yield from _refusals(found)
     yield (
         "Voronoi cells are counted with fewer certified modes than cells of a third; beyond them "
         "the sample takes over earlier."

@@ -78,10 +78,14 @@ class Evidence:
     Attributes
     ----------
     documents
-        Values of the cases that hold conventions.
+        Values of the cases that hold conventions, each solved under every operator; of all that
+        hold conventions if there is none such.
+    left_out
+        Values of the other cases that hold conventions.
     """
 
     documents: Sequence[Values]
+    left_out: Sequence[Values] = ()
 
     @cached_property
     def ranking(self) -> tuple[Nearness, ...]:
@@ -109,7 +113,11 @@ class Evidence:
 def evidence(documents: Sequence[Values]) -> Evidence | None:
     """What the cases' documents show; None if none of them holds conventions."""
     held = [each for each in documents if each.get("conventions")]
-    return Evidence(held) if held else None
+    solved = [each for each in held if not each["conventions"]["refused"]]
+    # Readings are compared over the same cases: one that was not solved would else drop for all.
+    if not solved:
+        return Evidence(held) if held else None
+    return Evidence(solved, [each for each in held if each["conventions"]["refused"]])
 
 
 def reproduction_tables(documents: Sequence[Values]) -> tuple[Table, ...]:

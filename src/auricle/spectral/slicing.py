@@ -43,7 +43,8 @@ _AGREEMENT = 1e-8
 _TOO_NEAR, _AROUND = 0.03, 8
 """Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them
 around it show the gap it moves to."""
-_RETRIES = 60
+_RETRIES, _FRUITLESS = 60, 4
+"""Searches again for what is missing, and how many of the widest in a row may find nothing new."""
 _LIKELY_STEPS, _COPIES = 64, 4
 """For the estimate of memory: length of a long run, and copies of the result held at one time."""
 
@@ -342,9 +343,9 @@ def _search(
 ) -> None:
     """Look for what is missing under the shift among all that is orthogonal to what is known."""
     reach = factors.shift - ladder.certified
-    block, attempt = _BLOCK, 0
+    block, attempt, fruitless = _BLOCK, 0, 0
     missing = factors.n_below - ladder.n_below(factors.shift)
-    while missing > 0 and attempt < _RETRIES:
+    while missing > 0 and attempt < _RETRIES and fruitless < _FRUITLESS:
         ladder.retries.append(f"{missing} eigenvalues below {factors.shift:.6g}/mm²")
         known = ladder.from_value(ladder.certified - reach, factors.size)
         effort = _effort(factors, block, _SEARCH_STEPS)
@@ -353,7 +354,8 @@ def _search(
         # Under the certified height everything is known: what is met there again is left.
         fresh = int(np.searchsorted(run.values, ladder.certified, side="right"))
         ladder.add(run.values[fresh:], run.vectors(fresh))
-        missing = factors.n_below - ladder.n_below(factors.shift)
+        before, missing = missing, factors.n_below - ladder.n_below(factors.shift)
+        fruitless = fruitless + 1 if missing >= before and block == _WIDEST_BLOCK else 0
         block, attempt = min(2 * block, _WIDEST_BLOCK), attempt + 1
     if missing:
         raise SolverError(
