@@ -9,18 +9,17 @@ from scipy import sparse
 from auricle.arrays import Floats
 from auricle.errors import SolverError
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
-from auricle.spectral.ldl import eliminate, substitute, working_size
+from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
+from auricle.spectral.substitution import substituted
 
 _TINY_PIVOT = 1e-11
 _MOVE, _LEAST_MOVE = 1e-4, 1e-10
 """Of the shift, and of the largest entry of the matrix."""
 _ATTEMPTS = 6
-_COLUMNS = 64
-"""Right-hand sides solved for at a time."""
 _LARGEST_BACKWARD_ERROR = 1e-7
 """Of a trial solve; above it the shift is moved. One refinement takes this to rounding."""
-_REFINED_ABOVE = 3e-12
+_REFINED_ABOVE = 3e-11
 """Backward error above which solves are refined unasked: eigenpairs need 1e-9."""
 
 
@@ -127,14 +126,8 @@ class ShiftedFactorization:
         return solution
 
     def _substituted(self, right: Floats) -> Floats:
-        given = np.asarray(right, dtype=np.float64).reshape(self.size, -1)
-        solution = np.empty(given.shape)
-        for first in range(0, given.shape[1], _COLUMNS):
-            some = slice(first, first + _COLUMNS)
-            columns = np.take(given[:, some], self._plan.order, axis=0)
-            substitute(self._plan, self._panels, columns)
-            solution[self._plan.order, some] = columns
-        return solution.reshape(right.shape)
+        rows = np.ascontiguousarray(right.reshape(self.size, -1).T, dtype=np.float64)
+        return substituted(self._plan, self._panels, rows).T.reshape(right.shape)
 
     def _residual(self, right: Floats, solution: Floats) -> Floats:
         residual: Floats = right - self._matrix @ solution + self.shift * solution

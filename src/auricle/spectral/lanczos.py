@@ -11,6 +11,11 @@ from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
 from auricle.spectral.gram_schmidt import orthogonalize, orthonormal
 
+VECTORS_PER_PAIR = 2.2
+"""By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
+_FEWEST_MORE = 2
+"""Blocks between two looks at convergence."""
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -20,15 +25,16 @@ class Effort:
     ----------
     block
         Width of the block: the most copies of one eigenvalue that are sure to be found.
-    steps
-        Numbers of blocks after which convergence is looked at, ascending; the last one ends it.
+    first, most
+        Numbers of blocks after which convergence is first looked at, and that a run ends with.
     tolerance
         A pair counts as converged when the residual of its inverse eigenproblem, relative to its
         inverse eigenvalue, is below this.
     """
 
     block: int
-    steps: tuple[int, ...]
+    first: int
+    most: int
     tolerance: float
 
 
@@ -76,7 +82,7 @@ class LanczosRun:
         self._pause = pause
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_known, self._n_steps = effort, len(known), 0
-        block, most_steps = effort.block, max(effort.steps)
+        block, most_steps = effort.block, effort.most
         self._basis = np.empty((len(known) + block * (most_steps + 1), factors.size))
         self._basis[: len(known)] = known
         self._projected = np.zeros((block * most_steps, block * most_steps))
@@ -85,20 +91,21 @@ class LanczosRun:
         orthogonalize(known, start)
         self._basis[len(known) : len(known) + block], self._coupling = orthonormal(start)
 
-    def until(self, enough: Callable[[Floats], bool] | None = None) -> Self:
-        """Go on until the converged eigenvalues are enough, or the effort is spent.
+    def until(self, missing: Callable[[Floats], int] | None = None) -> Self:
+        """Go on until no converged eigenvalue is missing, or the effort is spent.
 
-        `enough` is told `values` whenever convergence is looked at; without it all the effort is
-        spent.
+        `missing` is told `values` whenever convergence is looked at, and how soon that is next
+        depends on what it says; without it all the effort is spent.
         """
-        if enough and self._n_steps and enough(self.values):
-            return self
-        for n_steps in self._effort.steps:
-            if n_steps > self._n_steps:
-                self._extend(n_steps)
-                self._converge()
-                if enough and enough(self.values):
-                    break
+        n_missing = missing(self.values) if missing and self._n_steps else 1
+        n_steps = self._effort.first if missing else self._effort.most
+        while n_missing and self._n_steps < self._effort.most:
+            if self._n_steps:
+                more = -(-int(VECTORS_PER_PAIR * n_missing) // self._effort.block)
+                n_steps = self._n_steps + max(more, _FEWEST_MORE)
+            self._extend(min(n_steps, self._effort.most))
+            self._converge()
+            n_missing = missing(self.values) if missing else 0
         return self
 
     def vectors(self, first: int = 0) -> Floats:

@@ -166,20 +166,6 @@ def _multiply_rows(left: Floats, right: Floats, product: Floats) -> None:
 
 
 @compiled
-def _multiply_transposed(left: Floats, right: Floats, room: Floats, product: Floats) -> None:
-    """Matrix product leftᵀ·right, the sum of what a few rows at a time give."""
-    step = max(_LARGEST_PRODUCT // product.size, 1)
-    np.dot(left[:step].T, right[:step], product)
-    piece = room[: product.size].reshape(product.shape)
-    for first in range(step, len(left), step):
-        end = min(first + step, len(left))
-        np.dot(left[first:end].T, right[first:end], piece)
-        for i in range(product.shape[0]):
-            for j in range(product.shape[1]):
-                product[i, j] += piece[i, j]
-
-
-@compiled
 def _invert(panel: Floats, least_pivots: Floats, factor: Floats) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
@@ -266,54 +252,6 @@ def _sweep_pair(square: Floats, k: int, pair: int, columns: Floats) -> None:
 
 
 @compiled
-def substitute(plan: EliminationPlan, panels: Floats, columns: Floats) -> None:
-    """Solve with the factors in place; rows of `columns`, shape (n, b), in order of elimination."""
-    room = np.empty(2 * _tallest_panel(plan) * columns.shape[1])
-    for s in range(len(plan.parent)):
-        _substitute_forward(plan, s, panels, columns, room)
-    for s in range(len(plan.parent) - 1, -1, -1):
-        _substitute_backward(plan, s, panels, columns, room)
-
-
-@compiled
-def _substitute_forward(
-    plan: EliminationPlan, s: int, panels: Floats, columns: Floats, room: Floats
-) -> None:
-    """Take a supernode's part out of the rows under it."""
-    first, end = plan.first_column[s], plan.first_column[s + 1]
-    rows = plan.rows[plan.row_start[s] : plan.row_start[s + 1]]
-    width, n_right = end - first, columns.shape[1]
-    if len(rows) > 0:
-        begin = plan.panel_start[s] + width * width
-        under = panels[begin : plan.panel_start[s + 1]].reshape((len(rows), width))
-        update = room[: len(rows) * n_right].reshape((len(rows), n_right))
-        _multiply_rows(under, columns[first:end], update)
-        for k in range(len(rows)):
-            for j in range(n_right):
-                columns[rows[k], j] -= update[k, j]
-
-
-@compiled
-def _substitute_backward(
-    plan: EliminationPlan, s: int, panels: Floats, columns: Floats, room: Floats
-) -> None:
-    """Solve for a supernode's part, the rows under it being known."""
-    first, end = plan.first_column[s], plan.first_column[s + 1]
-    rows = plan.rows[plan.row_start[s] : plan.row_start[s + 1]]
-    width, n_right = end - first, columns.shape[1]
-    height = width + len(rows)
-    panel = panels[plan.panel_start[s] : plan.panel_start[s + 1]].reshape((height, width))
-    gathered = room[: height * n_right].reshape((height, n_right))
-    for k in range(width):
-        for j in range(n_right):
-            gathered[k, j] = columns[first + k, j]
-    for k in range(len(rows)):
-        for j in range(n_right):
-            gathered[width + k, j] = -columns[rows[k], j]
-    _multiply_transposed(panel, gathered, room[height * n_right :], columns[first:end])
-
-
-@compiled
 def _row_begin(row: int, n_rows: int) -> int:
     """Where a row of a stored Schur complement begins."""
     strip = row // _STRIP
@@ -352,13 +290,3 @@ def _largest_panel(plan: EliminationPlan) -> int:
     for s in range(len(plan.parent)):
         largest = max(largest, plan.panel_start[s + 1] - plan.panel_start[s])
     return largest
-
-
-@compiled
-def _tallest_panel(plan: EliminationPlan) -> int:
-    """Columns of the supernode, and rows under them, of the tallest panel."""
-    tallest = 0
-    for s in range(len(plan.parent)):
-        width = plan.first_column[s + 1] - plan.first_column[s]
-        tallest = max(tallest, width + plan.row_start[s + 1] - plan.row_start[s])
-    return tallest

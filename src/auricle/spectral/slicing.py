@@ -20,22 +20,24 @@ from auricle.spectral.factorization import (
     analyze,
     factorize,
 )
-from auricle.spectral.lanczos import Effort, LanczosRun
+from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
 from auricle.spectral.workers import Workers
 
-_BLOCK, _WIDEST_BLOCK = 8, 32
-"""Width of a run's block: of an ordinary one, and of one for wide clusters.
+_BLOCK, _SEARCH_BLOCK, _WIDEST_BLOCK = 4, 8, 32
+"""Width of a run's block: of an ordinary one, and of searches for what is missing, which widens.
 
-Clusters of equal eigenvalues wider than the block show one block's width of copies a run; the
-block widens from one search to the next and the number of steps, on which convergence rests, stays.
+Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
-_STEPS = (32, 40, 46, 52, 58, 64, 72, 80, 96)
-"""Blocks after which a run is looked at; 40 of 8 find 70 to 90 pairs of a generic surface."""
-_SEARCH_STEPS = (40,)
-_REACH = 50
-"""Eigenvalues a run is trusted to find below its shift; it finds about as many above."""
-_SLICE = 2 * _REACH
+_BLOCKS_UNTIL_FIRST = 15
+"""Blocks before the first pair converges; each further one takes `VECTORS_PER_PAIR` vectors."""
+_MOST_VECTORS = 800
+_SEARCH_STEPS = 40
+_REACH, _REACH_VERTICES = 40, 10_000
+"""Eigenvalues a run is to find each way from its shift, and for a surface of how many vertices.
+
+Factors cost more than vectors on larger ones, so that runs are worth being longer there.
+"""
 _AT_ONCE = 2
 _MARGIN = 4
 _TOLERANCE = 1e-11
@@ -43,10 +45,12 @@ _AGREEMENT = 1e-8
 _TOO_NEAR, _AROUND = 0.03, 8
 """Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them
 around it show the gap it moves to."""
+_STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4)
+"""Backward error of solves that need no refinement, and where else to try, in mean spacings."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
-_LIKELY_STEPS, _COPIES = 64, 4
-"""For the estimate of memory: length of a long run, and copies of the result held at one time."""
+_LIKELY_VECTORS, _COPIES = 400, 4
+"""For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
 
 
 @dataclass(eq=False)
@@ -164,7 +168,7 @@ def lowest_eigenpairs(
 def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
     """Memory that the search takes at its highest, with what is made of its result."""
     n = len(symbolic.plan.order)
-    runs = _AT_ONCE * (symbolic.n_bytes + 8 * n * _BLOCK * _LIKELY_STEPS)
+    runs = _AT_ONCE * (symbolic.n_bytes + 8 * n * _LIKELY_VECTORS)
     return runs + 8 * count * (_COPIES * n + 2 * count)
 
 
@@ -178,13 +182,36 @@ def _next_shifts(
 ) -> tuple[ShiftedFactorization, ...]:
     """The next shifts up, to be searched around at one time; the last of all only just beyond."""
     known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
+    reach = _reach(matrix.shape[0])
     shifts: list[ShiftedFactorization] = []
     while len(shifts) < _AT_ONCE and n_low <= count:
-        factors = _next_shift(matrix, symbolic, (low, n_low, known), count=count, density=density)
+        highest = min(count + 3, known + reach)
+        factors = _next_shift(
+            matrix, symbolic, (low, n_low, known), highest=highest, density=density
+        )
         shifts.append(factors)
         density = max(factors.n_below - n_low, 1) / (factors.shift - low)
-        low, n_low, known = factors.shift, factors.n_below, factors.n_below + _REACH
+        low, n_low, known = factors.shift, factors.n_below, factors.n_below + reach
     return tuple(shifts)
+
+
+def _steady(
+    matrix: sparse.csc_array, symbolic: SymbolicFactorization, shift: float, density: float
+) -> ShiftedFactorization:
+    """Factors at a shift or just beside it, where solves are right without refinement.
+
+    How much is lost to poor pivots changes from one shift to the next, by a hundred times.
+    """
+    tried: list[ShiftedFactorization] = []
+    for aside in _ASIDE:
+        tried.append(factorize(matrix, shift + aside / density, symbolic=symbolic))
+        if tried[-1].backward_error <= _STEADY:
+            return tried[-1]
+    return min(tried, key=lambda factors: factors.backward_error)
+
+
+def _reach(n_vertices: int) -> int:
+    return round(_REACH * max(1.0, n_vertices / _REACH_VERTICES) ** 0.25)
 
 
 def _next_shift(
@@ -192,20 +219,20 @@ def _next_shift(
     symbolic: SymbolicFactorization,
     height: tuple[float, int, int],
     *,
-    count: int,
+    highest: int,
     density: float,
 ) -> ShiftedFactorization:
     """The next shift up: half a slice above what is known, and not many more than that.
 
-    `height` is the shift below, the number of eigenvalues under it, and of those known.
+    `height` is the shift below, the number of eigenvalues under it, and of those known; `highest`
+    the number of eigenvalues that are to lie below.
     """
     low, n_low, known = height
-    wanted = min(count + 3, known + _REACH) - n_low
-    step = max(wanted, 3) / density
-    factors = factorize(matrix, low + step, symbolic=symbolic)
-    while factors.n_below - known > _SLICE:
+    step = max(highest - n_low, 3) / density
+    factors = _steady(matrix, symbolic, low + step, density)
+    while factors.n_below - known > 2 * _reach(matrix.shape[0]):
         step /= 2
-        nearer = factorize(matrix, low + step, symbolic=symbolic)
+        nearer = _steady(matrix, symbolic, low + step, density)
         if nearer.n_below <= known:
             break  # a cluster wider than a slice: climb it whole
         factors = nearer
@@ -230,7 +257,7 @@ def _climb(
             _run,
             factors,
             own,
-            partial(_reaches, ladder, n_below=n_here, n_above=n_above, first=not i),
+            partial(_lacks, ladder, n_below=n_here, n_above=n_above, first=not i),
             workers.pause,
             move,
         )
@@ -241,7 +268,7 @@ def _climb(
     for submitted in runs:
         run = workers.result(submitted)
         factors = run.factors
-        workers.result(workers.submit(run.until, partial(_joins, ladder, factors)))
+        workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
         junction = _junction(ladder, run.values, factors)
         if junction is None:
             _search(factors, ladder, rng=rng, workers=workers)
@@ -253,14 +280,15 @@ def _climb(
 def _run(
     factors: ShiftedFactorization,
     rng: np.random.Generator,
-    criterion: Callable[[ShiftedFactorization], Callable[[Floats], bool]],
+    criterion: Callable[[ShiftedFactorization], Callable[[Floats], int]],
     pause: Callable[[], None],
     move: Callable[[float], ShiftedFactorization],
 ) -> LanczosRun:
     nothing = np.empty((0, factors.size))
-    effort = _effort(factors, _BLOCK, _STEPS)
+    missing = criterion(factors)
+    effort = _effort(factors, missing(np.empty(0)))
     run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
-    better = _better_shift(run.until(criterion(factors)))
+    better = _better_shift(run.until(missing))
     if better is None:
         return run
     moved = move(better)
@@ -285,27 +313,34 @@ def _better_shift(run: LanczosRun) -> float | None:
     return float(around[widest] + around[widest + 1]) / 2
 
 
-def _reaches(
+def _lacks(
     ladder: _Ladder, factors: ShiftedFactorization, *, n_below: int, n_above: int, first: bool
-) -> Callable[[Floats], bool]:
-    """When a run has found what lies next to its shift: all below, or half of it each way.
+) -> Callable[[Floats], int]:
+    """How much a run lacks of what lies next to its shift: all below, or half of it each way.
 
     The first of several joins the ladder; the others are searched before it has grown to them.
     """
+    above = (n_above + _MARGIN) // 2
+    known = len(ladder.values) - ladder.n_certified if first else n_below // 2
+    below = max(n_below - known, 0) + _MARGIN // 2
 
-    def enough(values: Floats) -> bool:
+    def missing(values: Floats) -> int:
         found_below = int(np.searchsorted(values, factors.shift))
-        if 2 * (len(values) - found_below) < n_above + _MARGIN:
-            return False
-        if first:
-            return _joins(ladder, factors, values)
-        return 2 * found_below >= n_below + _MARGIN
+        short = max(above - (len(values) - found_below), 0)
+        if not (first and _joins(ladder, factors, values)):
+            # What is found below may be enough by number and yet not join.
+            short = max(short, below - found_below, 1 if first else 0)
+        return 2 * short
 
-    return enough
+    return missing
 
 
 def _joins(ladder: _Ladder, factors: ShiftedFactorization, values: Floats) -> bool:
     return _junction(ladder, values, factors) is not None
+
+
+def _gap_left(ladder: _Ladder, factors: ShiftedFactorization, values: Floats) -> int:
+    return 0 if _joins(ladder, factors, values) else _MARGIN
 
 
 def _junction(
@@ -343,12 +378,12 @@ def _search(
 ) -> None:
     """Look for what is missing under the shift among all that is orthogonal to what is known."""
     reach = factors.shift - ladder.certified
-    block, attempt, fruitless = _BLOCK, 0, 0
+    block, attempt, fruitless = _SEARCH_BLOCK, 0, 0
     missing = factors.n_below - ladder.n_below(factors.shift)
     while missing > 0 and attempt < _RETRIES and fruitless < _FRUITLESS:
         ladder.retries.append(f"{missing} eigenvalues below {factors.shift:.6g}/mm²")
         known = ladder.from_value(ladder.certified - reach, factors.size)
-        effort = _effort(factors, block, _SEARCH_STEPS)
+        effort = _search_effort(factors, block)
         run = LanczosRun(factors, known, effort=effort, rng=rng, pause=workers.pause)
         workers.result(workers.submit(run.until))
         # Under the certified height everything is known: what is met there again is left.
@@ -364,6 +399,12 @@ def _search(
         )
 
 
-def _effort(factors: ShiftedFactorization, block: int, steps: tuple[int, ...]) -> Effort:
-    most = factors.size // (2 * block)
-    return Effort(block, tuple(sorted({min(each, most) for each in steps})), _TOLERANCE)
+def _effort(factors: ShiftedFactorization, n_pairs: int) -> Effort:
+    most = min(_MOST_VECTORS, factors.size // 2) // _BLOCK
+    first = _BLOCKS_UNTIL_FIRST + int(VECTORS_PER_PAIR * n_pairs) // _BLOCK
+    return Effort(_BLOCK, min(first, most), most, _TOLERANCE)
+
+
+def _search_effort(factors: ShiftedFactorization, block: int) -> Effort:
+    steps = min(_SEARCH_STEPS, factors.size // (2 * block))
+    return Effort(block, steps, steps, _TOLERANCE)

@@ -1,0 +1,165 @@
+"""Several numbers in one register, for the inner loops of compiled functions.
+
+A compiler turns a loop over a long row into vector instructions by itself, but not a product of
+small matrices, which wants a few rows' sums kept in registers. With these functions such a loop is
+written down. They work on any processor: where registers are narrower the compiler splits them.
+"""
+
+from collections.abc import Callable
+from typing import Any, Final, TypeVar, cast
+
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic, models, register_model
+
+from auricle.arrays import Floats
+
+F = TypeVar("F", bound=Callable[..., object])
+
+_CONTRACT = ("contract",)
+"""A product and the sum it goes into may be one instruction, rounded once."""
+_NUMBER, _COUNT, _INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
+
+
+class Lanes(types.Type):  # type: ignore[misc]
+    """The compiler's type of `count` numbers side by side in a register."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        super().__init__(name=f"Lanes({count})")
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
+    """How the compiler holds lanes: as a vector."""
+
+    def __init__(self, manager: Any, lanes: Lanes) -> None:
+        super().__init__(manager, lanes, _vector(lanes))
+
+
+def _vector(lanes: Lanes) -> Any:
+    return ir.VectorType(_NUMBER, lanes.count)
+
+
+def _register_filler(count: int) -> Any:
+    lanes = Lanes(count)
+
+    def fill(typing: Any, number: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            return _filled(builder, arguments[0], lanes)
+
+        return lanes(types.float64), generate
+
+    return intrinsic(fill)
+
+
+def _filled(builder: Any, number: Any, lanes: Lanes) -> Any:
+    undefined = ir.Constant(_vector(lanes), ir.Undefined)
+    first = builder.insert_element(undefined, number, ir.Constant(_INDEX, 0))
+    mask = ir.Constant(ir.VectorType(_INDEX, lanes.count), [0] * lanes.count)
+    return builder.shuffle_vector(first, undefined, mask)
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, place: Any) -> Any:
+    return builder.gep(context.make_array(array_type)(context, builder, array).data, [place])
+
+
+def _fused(builder: Any, total: Any, one: Any, other: Any) -> Any:
+    return builder.fadd(total, builder.fmul(one, other, flags=_CONTRACT), flags=_CONTRACT)
+
+
+def _width(typing: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return ir.Constant(_COUNT, lanes.count)
+
+    return types.intp(lanes), generate
+
+
+def _load(typing: Any, like: Any, numbers: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address = _address(context, builder, signature.args[1], arguments[1], arguments[2])
+        loaded = builder.load(builder.bitcast(address, _vector(like).as_pointer()))
+        loaded.align = 8
+        return loaded
+
+    return like(like, numbers, types.intp), generate
+
+
+def _store(typing: Any, lanes: Any, numbers: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address = _address(context, builder, signature.args[1], arguments[1], arguments[2])
+        stored = builder.store(
+            arguments[0], builder.bitcast(address, _vector(lanes).as_pointer())
+        )
+        stored.align = 8
+        return context.get_dummy_value()
+
+    return types.void(lanes, numbers, types.intp), generate
+
+
+def _added(typing: Any, total: Any, other: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.fadd(*arguments)
+
+    return total(total, total), generate
+
+
+def _subtracted(typing: Any, total: Any, other: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.fsub(*arguments)
+
+    return total(total, total), generate
+
+
+def _added_product(typing: Any, total: Any, one: Any, other: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return _fused(builder, *arguments)
+
+    return total(total, total, total), generate
+
+
+def _added_multiple(typing: Any, total: Any, numbers: Any, place: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address = _address(context, builder, signature.args[1], arguments[1], arguments[2])
+        factor = _filled(builder, builder.load(address), total)
+        return _fused(builder, arguments[0], factor, arguments[3])
+
+    return total(total, numbers, types.intp, total), generate
+
+
+def _total(typing: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        parts = [
+            builder.extract_element(arguments[0], ir.Constant(_INDEX, i))
+            for i in range(lanes.count)
+        ]
+        while len(parts) > 1:
+            half = len(parts) // 2
+            parts = [builder.fadd(parts[i], parts[i + half]) for i in range(half)]
+        return parts[0]
+
+    return types.float64(lanes), generate
+
+
+four: Final = cast(Callable[[float], Lanes], _register_filler(4))
+"""Four lanes, the same number in each."""
+eight: Final = cast(Callable[[float], Lanes], _register_filler(8))
+"""Eight lanes, the same number in each."""
+width: Final = cast(Callable[[Lanes], int], intrinsic(_width))
+"""How many lanes there are."""
+load: Final = cast(Callable[[Lanes, Floats, int], Lanes], intrinsic(_load))
+"""As many numbers as the first argument has, from a contiguous array's place on."""
+store: Final = cast(Callable[[Lanes, Floats, int], None], intrinsic(_store))
+"""Put lanes into a contiguous array from a place on."""
+added: Final = cast(Callable[[Lanes, Lanes], Lanes], intrinsic(_added))
+"""Lane by lane, total + other."""
+subtracted: Final = cast(Callable[[Lanes, Lanes], Lanes], intrinsic(_subtracted))
+"""Lane by lane, total − other."""
+added_product: Final = cast(Callable[[Lanes, Lanes, Lanes], Lanes], intrinsic(_added_product))
+"""Lane by lane, total + one·other."""
+added_multiple: Final = cast(
+    Callable[[Lanes, Floats, int, Lanes], Lanes], intrinsic(_added_multiple)
+)
+"""Of (total, numbers, place, lanes), total + numbers[place]·lanes."""
+total: Final = cast(Callable[[Lanes], float], intrinsic(_total))
+"""Sum over the lanes, pairwise."""

@@ -1,0 +1,212 @@
+"""Solves with block LDLᵀ factors: forward and backward substitution, several columns at a time."""
+
+import numpy as np
+
+from auricle.arrays import Floats, Integers
+from auricle.compiled import compiled
+from auricle.spectral.elimination import EliminationPlan
+from auricle.spectral.lanes import (
+    Lanes,
+    added,
+    added_multiple,
+    eight,
+    four,
+    load,
+    store,
+    subtracted,
+    width,
+)
+
+_NARROW, _WIDE, _AT_ONCE = 4, 8, 16
+"""Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
+
+
+def substituted(plan: EliminationPlan, panels: Floats, right: Floats) -> Floats:
+    """Solutions with the factors, one a row, shape (b, n).
+
+    Parameters
+    ----------
+    plan, panels
+        Of `auricle.spectral.ldl.eliminate`.
+    right
+        Right-hand sides, one a row, shape (b, n), contiguous.
+    """
+    solutions = np.empty_like(right)
+    for first in range(0, len(right), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        n_right = len(right[some])
+        full = _NARROW if n_right <= _NARROW else -(-n_right // _WIDE) * _WIDE
+        columns = np.zeros(right.shape[1] * full)
+        _permute(right[some], plan.order, columns, full)
+        if full == _NARROW:
+            _substitute_four(plan, panels, columns, full)
+        else:
+            _substitute_eight(plan, panels, columns, full)
+        _permute_back(columns, full, plan.order, solutions[some])
+    return solutions
+
+
+@compiled
+def _permute(rows: Floats, order: Integers, columns: Floats, n_columns: int) -> None:
+    """Set rows side by side, in order of elimination."""
+    for i in range(len(order)):
+        for j in range(len(rows)):
+            columns[i * n_columns + j] = rows[j, order[i]]
+
+
+@compiled
+def _permute_back(columns: Floats, n_columns: int, order: Integers, rows: Floats) -> None:
+    for i in range(len(order)):
+        for j in range(len(rows)):
+            rows[j, order[i]] = columns[i * n_columns + j]
+
+
+@compiled
+def _substitute_four(plan: EliminationPlan, panels: Floats, columns: Floats, n_right: int) -> None:
+    _substitute(plan, panels, columns, n_right, four(0.0))
+
+
+@compiled
+def _substitute_eight(plan: EliminationPlan, panels: Floats, columns: Floats, n_right: int) -> None:
+    _substitute(plan, panels, columns, n_right, eight(0.0))
+
+
+@compiled
+def _substitute(
+    plan: EliminationPlan, panels: Floats, columns: Floats, n_right: int, zero: Lanes
+) -> None:
+    room = np.empty(_tallest_panel(plan) * width(zero))
+    for s in range(len(plan.parent)):
+        for side in range(0, n_right, width(zero)):
+            _forward(plan, s, panels, (columns, n_right, side), zero)
+    for s in range(len(plan.parent) - 1, -1, -1):
+        for side in range(0, n_right, width(zero)):
+            _gather(plan, s, (columns, n_right, side), room, zero)
+            _backward(plan, s, panels, (columns, n_right, side), room, zero)
+
+
+@compiled
+def _forward(
+    plan: EliminationPlan,
+    s: int,
+    panels: Floats,
+    right: tuple[Floats, int, int],
+    zero: Lanes,
+) -> None:
+    """Take a supernode's part out of the rows under it, four rows at a time."""
+    columns, n_right, side = right
+    first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
+    known = first * n_right + side
+    p = plan.panel_start[s] + n_columns * n_columns
+    row, end = plan.row_start[s], plan.row_start[s + 1]
+    while row + 4 <= end:
+        a, b, c, d = zero, zero, zero, zero
+        for k in range(n_columns):
+            x = load(zero, columns, known + k * n_right)
+            a = added_multiple(a, panels, p + k, x)
+            b = added_multiple(b, panels, p + n_columns + k, x)
+            c = added_multiple(c, panels, p + 2 * n_columns + k, x)
+            d = added_multiple(d, panels, p + 3 * n_columns + k, x)
+        _take(columns, plan.rows[row] * n_right + side, a)
+        _take(columns, plan.rows[row + 1] * n_right + side, b)
+        _take(columns, plan.rows[row + 2] * n_right + side, c)
+        _take(columns, plan.rows[row + 3] * n_right + side, d)
+        row, p = row + 4, p + 4 * n_columns
+    while row < end:
+        sums = _dot(panels, p, 1, n_columns, (columns, known, n_right), zero)
+        _take(columns, plan.rows[row] * n_right + side, sums)
+        row, p = row + 1, p + n_columns
+
+
+@compiled
+def _gather(
+    plan: EliminationPlan, s: int, right: tuple[Floats, int, int], room: Floats, zero: Lanes
+) -> None:
+    """Collect a supernode's own rows, and those under it with their sign changed."""
+    columns, n_right, side = right
+    place = 0
+    for k in range(plan.first_column[s], plan.first_column[s + 1]):
+        store(load(zero, columns, k * n_right + side), room, place)
+        place += width(zero)
+    for r in range(plan.row_start[s], plan.row_start[s + 1]):
+        found = load(zero, columns, plan.rows[r] * n_right + side)
+        store(subtracted(zero, found), room, place)
+        place += width(zero)
+
+
+@compiled
+def _backward(
+    plan: EliminationPlan,
+    s: int,
+    panels: Floats,
+    right: tuple[Floats, int, int],
+    room: Floats,
+    zero: Lanes,
+) -> None:
+    """Solve for a supernode's part, the rows under it being known, four columns at a time."""
+    columns, n_right, side = right
+    first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
+    height = n_columns + plan.row_start[s + 1] - plan.row_start[s]
+    target, k = first * n_right + side, 0
+    while k + 4 <= n_columns:
+        a, b, c, d = zero, zero, zero, zero
+        p = plan.panel_start[s] + k
+        for r in range(height):
+            x = load(zero, room, r * width(zero))
+            a = added_multiple(a, panels, p, x)
+            b = added_multiple(b, panels, p + 1, x)
+            c = added_multiple(c, panels, p + 2, x)
+            d = added_multiple(d, panels, p + 3, x)
+            p += n_columns
+        store(a, columns, target)
+        store(b, columns, target + n_right)
+        store(c, columns, target + 2 * n_right)
+        store(d, columns, target + 3 * n_right)
+        k, target = k + 4, target + 4 * n_right
+    while k < n_columns:
+        p = plan.panel_start[s] + k
+        store(_dot(panels, p, n_columns, height, (room, 0, width(zero)), zero), columns, target)
+        k, target = k + 1, target + n_right
+
+
+@compiled
+def _dot(
+    panels: Floats,
+    place: int,
+    step: int,
+    count: int,
+    vectors: tuple[Floats, int, int],
+    zero: Lanes,
+) -> Lanes:
+    """Sum of `count` numbers of a panel, each times its row of `vectors`; four sums side by side.
+
+    `vectors` are the array, where in it the first row begins, and how far apart rows are.
+    """
+    rows, begin, apart = vectors
+    a, b, c, d = zero, zero, zero, zero
+    k = 0
+    while k + 4 <= count:
+        a = added_multiple(a, panels, place, load(zero, rows, begin))
+        b = added_multiple(b, panels, place + step, load(zero, rows, begin + apart))
+        c = added_multiple(c, panels, place + 2 * step, load(zero, rows, begin + 2 * apart))
+        d = added_multiple(d, panels, place + 3 * step, load(zero, rows, begin + 3 * apart))
+        k, place, begin = k + 4, place + 4 * step, begin + 4 * apart
+    while k < count:
+        a = added_multiple(a, panels, place, load(zero, rows, begin))
+        k, place, begin = k + 1, place + step, begin + apart
+    return added(added(a, b), added(c, d))
+
+
+@compiled
+def _take(columns: Floats, place: int, sums: Lanes) -> None:
+    store(subtracted(load(sums, columns, place), sums), columns, place)
+
+
+@compiled
+def _tallest_panel(plan: EliminationPlan) -> int:
+    """Columns of the supernode, and rows under them, of the tallest panel."""
+    tallest = 0
+    for s in range(len(plan.parent)):
+        n_columns = plan.first_column[s + 1] - plan.first_column[s]
+        tallest = max(tallest, n_columns + plan.row_start[s + 1] - plan.row_start[s])
+    return tallest
