@@ -49,7 +49,7 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
     rows = orthonormalized(vectors[:, :20].T + 1e-15 * rng.standard_normal((20, 300)), WORKERS)
     found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
     assert (residuals / np.maximum(found, found[1])).max() > 2e-9
-    rows = corrected(matrix, rows, least=float(found[1]), workers=WORKERS)
+    rows = corrected(matrix, rows, least=float(found[1]), workers=WORKERS).rows
     found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
     assert (residuals / np.maximum(found, found[1])).max() < 1e-9
     assert np.abs(overlap(rows, WORKERS)).max() < 1e-13
@@ -58,7 +58,7 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
 def test_what_is_good_already_is_returned_as_it_is() -> None:
     matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 50.0)))
     rows = np.eye(5, 49)
-    assert corrected(matrix, rows, least=1.0, workers=WORKERS) is rows
+    assert corrected(matrix, rows, least=1.0, workers=WORKERS).rows is rows
 
 
 def with_specks(mesh: Mesh, share: float) -> Mesh:

@@ -1,6 +1,6 @@
 """Manifold harmonics: the eigenfunctions of a surface's Laplacian, complete and certified."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -10,15 +10,15 @@ from threadpoolctl import threadpool_limits
 from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
-from auricle.spectral.factorization import factorize
+from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
 from auricle.spectral.power import Spectrum
 from auricle.spectral.refinement import (
+    Refined,
     corrected,
     orthonormalized,
     overlap,
-    rayleigh_quotients,
 )
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
 from auricle.spectral.workers import Workers
@@ -31,6 +31,7 @@ _DENSE_SHARE = 1 / 4
 _DENSE_COPIES = 4
 """Full matrices that LAPACK's divide and conquer holds at one time."""
 _CLUSTER_GAP = 1e-7
+_ROWS_AT_ONCE = 8
 
 
 @dataclass(frozen=True)
@@ -229,6 +230,7 @@ def operator_harmonics(
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
     matrix = _symmetrized(operator)
+    symbolic = analyze(matrix)
     scale = 4 * np.pi / operator.areas.sum()
     n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
@@ -245,12 +247,25 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
             density=1 / scale,
             rng=np.random.default_rng(seed),
             workers=workers,
+            symbolic=symbolic,
         )
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
-    rows = orthonormalized(pairs.vectors[:n_returned], workers)
-    rows = corrected(matrix, rows, least=_least(pairs.values, scale), workers=workers)
-    found = LowestPairs(pairs.values, rows, pairs.complete_below, pairs.retries)
-    return _certified(operator, matrix, found, n_asked=n_modes, method=method, workers=workers)
+    refined = corrected(
+        matrix,
+        orthonormalized(pairs.vectors[:n_returned], workers),
+        least=_least(pairs.values, scale),
+        workers=workers,
+        symbolic=symbolic,
+    )
+    gap = _last_gap(refined.values, pairs)
+    certificate = _certificate(
+        refined, factorize(matrix, gap, symbolic=symbolic), operator=operator, workers=workers
+    )
+    certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
+    _require_certificate(certificate)
+    values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, refined.values)
+    modes = _modes(refined.rows, operator.areas, workers)
+    return Harmonics(values, modes, operator.areas, operator.kind, certificate)
 
 
 def _least(values: Floats, scale: float) -> float:
@@ -272,45 +287,49 @@ def _end_of_cluster(values: Floats, n_modes: int, scale: float) -> int:
     return n_modes + int(separate.argmax()) if separate.any() else len(values)
 
 
-def _certified(
-    operator: Laplacian,
-    matrix: sparse.csc_array,
-    pairs: LowestPairs,
-    *,
-    n_asked: int,
-    method: str,
-    workers: Workers,
-) -> Harmonics:
-    """Harmonics with their certificate, from eigenpairs of the symmetrised matrix.
+def _last_gap(values: PerMode, pairs: LowestPairs) -> float:
+    """A number between the last of the values returned and the eigenvalue that follows.
 
-    There may be more of `pairs.values` than of the vectors: the next one places the last gap.
+    All that was found may be asked for: then the next is only known to lie beyond the height up
+    to which none is missing.
     """
-    rows, n_modes = pairs.vectors, len(pairs.vectors)
-    values, residuals = rayleigh_quotients(matrix, rows, workers)
-    n_zero = int((values < _CLUSTER_GAP * 4 * np.pi / operator.areas.sum()).sum())
-    first = values[n_zero] if n_zero < n_modes else 4 * np.pi / operator.areas.sum()
-    values = np.where(np.arange(n_modes) < n_zero, 0.0, values)
-    # All that was found may be asked for: then the next eigenvalue is only known to lie beyond
-    # the height up to which none is missing.
-    further = pairs.values[n_modes:]
-    following = further[0] if len(further) else min(pairs.complete_below, 2 * values[-1])
-    count = factorize(matrix, 0.5 * (float(values[-1]) + float(following)))
-    certificate = Certificate(
-        n_asked=n_asked,
+    further = pairs.values[len(values) :]
+    last = float(values[-1])
+    following = float(further[0]) if len(further) else min(pairs.complete_below, 2 * last)
+    return 0.5 * (last + following)
+
+
+def _certificate(
+    found: Refined, count: ShiftedFactorization, *, operator: Laplacian, workers: Workers
+) -> Certificate:
+    """Of eigenpairs of the symmetrised matrix, whose eigenvalues `count` counts to the last gap."""
+    scale, n_modes = 4 * np.pi / operator.areas.sum(), len(found.values)
+    n_zero = int((found.values < _CLUSTER_GAP * scale).sum())
+    first = found.values[n_zero] if n_zero < n_modes else scale
+    return Certificate(
+        n_asked=n_modes,
         n_modes=n_modes,
         gap_per_mm2=count.shift,
         eigenvalues_below_gap=count.n_below,
-        largest_residual=float((residuals / np.maximum(values, first)).max()),
-        largest_orthogonality_error=float(np.abs(overlap(rows, workers)).max()),
+        largest_residual=float((found.residuals / np.maximum(found.values, first)).max()),
+        largest_orthogonality_error=float(np.abs(overlap(found.rows, workers)).max()),
         n_zero_modes=n_zero,
-        method=method,
-        retries=pairs.retries,
+        method="",
     )
-    _require_certificate(certificate)
-    rows = rows / np.sqrt(operator.areas)
-    peaks = np.take_along_axis(rows, np.abs(rows).argmax(axis=1)[:, None], axis=1)
-    rows *= np.sign(peaks)
-    return Harmonics(values, rows.T, operator.areas, operator.kind, certificate)
+
+
+def _modes(rows: Floats, areas: PerVertex, workers: Workers) -> Modes:
+    """Eigenvectors of the symmetrised matrix as orthonormal under the areas, with their sign."""
+    modes = np.empty_like(rows)
+    roots = 1 / np.sqrt(areas)
+
+    def fill(some: slice) -> None:
+        part = np.multiply(rows[some], roots, out=modes[some])
+        peaks = np.take_along_axis(part, np.abs(part).argmax(axis=1)[:, None], axis=1)
+        part *= np.sign(peaks)
+
+    workers.each(fill, [slice(i, i + _ROWS_AT_ONCE) for i in range(0, len(rows), _ROWS_AT_ONCE)])
+    return modes.T
 
 
 def _require_certificate(certificate: Certificate) -> None:

@@ -1,17 +1,25 @@
 """Eigenpairs brought to rounding: rows made orthonormal, and what is left over corrected for."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import sparse
 from scipy.linalg import eigh
 
 from auricle.arrays import Floats, Integers, PerMode
-from auricle.spectral.factorization import factorize
+from auricle.spectral.factorization import (
+    ShiftedFactorization,
+    SymbolicFactorization,
+    factorize,
+)
 from auricle.spectral.workers import Workers
 
 _AT_ONCE = 64
 _NEARLY = 1e-6
 """Departure from orthonormality that one Newton-Schulz step takes to rounding: it squares it."""
-_MOST_STEPS = 4
+_SINGLE = 1e-8
+"""Departure that single precision suffices to correct for: its error is 1e-7 of that."""
+_MOST_STEPS, _PARTS = 4, 4
 _ENOUGH = 5e-10
 _CORRECTIONS = 5
 _PROGRESS = 0.5
@@ -44,11 +52,13 @@ def orthonormalized(rows: Floats, workers: Workers) -> Floats:
 def _step(rows: Floats, correction: Floats, workers: Workers) -> Floats:
     """Rows less what the triangular `correction` takes of those before and after."""
     stepped = np.empty_like(rows)
+    precision = np.float32 if np.abs(correction).max() < _SINGLE else np.float64
+    sources, factors = rows.astype(precision, copy=False), correction.astype(precision, copy=False)
 
     def fill(some: slice) -> None:
-        np.subtract(rows[some], correction[some] @ rows, out=stepped[some])
+        np.subtract(rows[some], factors[some] @ sources, out=stepped[some])
 
-    workers.each(fill, _slices(len(rows), -(-len(rows) // 4)))
+    workers.each(fill, _slices(len(rows), -(-len(rows) // _PARTS)))
     return stepped
 
 
@@ -59,10 +69,12 @@ def overlap(rows: Floats, workers: Workers) -> Floats:
     """
     products = np.zeros((len(rows), len(rows)))
 
-    def fill(some: slice) -> None:
-        np.matmul(rows[some], rows[: some.stop].T, out=products[some, : some.stop])
+    def fill(tile: tuple[slice, slice]) -> None:
+        # Of an array and its own transpose the library computes one triangle and copies it.
+        products[tile] = rows[tile[0]] @ rows[tile[1]].T
 
-    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    parts = _slices(len(rows), max(-(-len(rows) // _PARTS), 1))
+    workers.each(fill, [(one, other) for i, one in enumerate(parts) for other in parts[: i + 1]])
     products[np.diag_indices_from(products)] -= 1.0
     return np.tril(products)
 
@@ -81,7 +93,31 @@ def rayleigh_quotients(
     return values, residuals
 
 
-def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: Workers) -> Floats:
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Approximate eigenvectors, with what the matrix makes of them.
+
+    Attributes
+    ----------
+    rows
+        Orthonormal, one a row, shape (k, n).
+    values, residuals
+        Rayleigh quotients, and norms of what is left over, shape (k,).
+    """
+
+    rows: Floats
+    values: PerMode
+    residuals: PerMode
+
+
+def corrected(
+    matrix: sparse.csc_array,
+    rows: Floats,
+    *,
+    least: float,
+    workers: Workers,
+    symbolic: SymbolicFactorization | None = None,
+) -> Refined:
     """Rows whose residual, relative to the eigenvalue, is about 5e-10 where rounding allows.
 
     An entry of an iteration's vector is right to rounding of the vector's length and not of its
@@ -100,13 +136,15 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
         Eigenvalue that residuals of smaller ones are relative to.
     workers
         Who share the solves.
+    symbolic
+        The analysis of the matrix's pattern, where there is one at hand.
     """
     before = np.inf
-    for attempt in range(_CORRECTIONS):
+    for attempt in range(_CORRECTIONS + 1):
         values, residuals = rayleigh_quotients(matrix, rows, workers)
         relative = residuals / np.maximum(values, least)
         poor = np.flatnonzero(relative > _ENOUGH)
-        if not len(poor) or relative.max() > _PROGRESS * before:
+        if not len(poor) or attempt == _CORRECTIONS or relative.max() > _PROGRESS * before:
             break
         before = float(relative.max())
         groups = [(-least, poor)]
@@ -114,9 +152,10 @@ def corrected(matrix: sparse.csc_array, rows: Floats, *, least: float, workers: 
             rows = _rotated(matrix, rows, workers)
             groups = _by_height(*_poor(matrix, rows, least, workers), least)
         for shift, some in groups:
-            rows = _solved_for(matrix, rows, some, shift, workers)
+            factors = factorize(matrix, shift, symbolic=symbolic)
+            rows = _solved_for(matrix, rows, some, factors, workers)
         rows = orthonormalized(rows, workers)
-    return rows
+    return Refined(rows, values, residuals)
 
 
 def _poor(
@@ -157,10 +196,13 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats
 
 
 def _solved_for(
-    matrix: sparse.csc_array, rows: Floats, poor: Integers, shift: float, workers: Workers
+    matrix: sparse.csc_array,
+    rows: Floats,
+    poor: Integers,
+    factors: ShiftedFactorization,
+    workers: Workers,
 ) -> Floats:
     """Rows with what is left over of the poor ones solved for: a step of inverse iteration."""
-    factors = factorize(matrix, shift)
     better = rows.copy()
 
     def fill(some: slice) -> None:

@@ -122,6 +122,7 @@ def lowest_eigenpairs(
     density: float,
     rng: np.random.Generator,
     workers: Workers,
+    symbolic: SymbolicFactorization | None = None,
 ) -> LowestPairs:
     """More than `count` lowest eigenpairs of a symmetric positive semi-definite matrix.
 
@@ -139,6 +140,8 @@ def lowest_eigenpairs(
     workers
         Who search neighbouring slices at the same time, and are told the number of eigenvalues
         certified. The digits do not depend on how many there are.
+    symbolic
+        The analysis of the matrix's pattern, where there is one at hand.
 
     Raises
     ------
@@ -147,7 +150,7 @@ def lowest_eigenpairs(
     SolverError
         If eigenvalues that inertia counts cannot be found after many restarts.
     """
-    symbolic = analyze(matrix)
+    symbolic = symbolic or analyze(matrix)
     require_memory(
         needed_bytes(symbolic, count), f"{count} harmonics of {len(matrix.indptr) - 1} vertices"
     )
