@@ -13,9 +13,8 @@ from auricle.spectral.gram_schmidt import orthogonalize, orthonormal
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_PERIOD, _MOST_LOST = 3, 1e-8
-"""Every how many steps two look at the whole basis; and how much of a block may lie in it before
-all do from there on."""
+_LEAST_LOST, _MOST_LOST = 1e-15, 1e-11
+"""How far a block is from orthogonal to the basis after all of it was looked at, and may be."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
 
@@ -82,7 +81,8 @@ class LanczosRun:
         rng: np.random.Generator,
         pause: Callable[[], None],
     ) -> None:
-        self._pause, self._lossy = pause, False
+        self._pause = pause
+        self._scale, self._lost, self._owed = 0.0, _LEAST_LOST, False
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_known, self._n_steps = effort, len(known), 0
         block, most_steps = effort.block, effort.most
@@ -124,7 +124,7 @@ class LanczosRun:
             end = self._n_known + (step + 1) * self._effort.block
             newest = self._basis[end - self._effort.block : end]
             image = np.ascontiguousarray(self.factors.solve(newest.T).T)
-            diagonal = self._orthogonalized(image, step, end)
+            diagonal = self._orthogonalized(image, end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
             if step:
@@ -134,24 +134,23 @@ class LanczosRun:
             self._basis[end : end + self._effort.block], self._coupling = orthonormal(image)
         self._n_steps = n_steps
 
-    def _orthogonalized(self, image: Floats, step: int, end: int) -> Floats:
+    def _orthogonalized(self, image: Floats, end: int) -> Floats:
         """Make the image of a block orthogonal to the basis; returns its part in that block.
 
-        In exact arithmetic the last two blocks would do; what is lost where they are all that is
-        looked at grows at every step, the faster the nearer an eigenvalue is to the shift. Two
-        steps in a row that look at the whole basis undo it, for the two blocks that go into what
-        follows (Simon 1984, partial reorthogonalisation).
+        In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
+        and every step that looks at the last two only enlarges that by the ratio of the operator to
+        what is left of the image. Before it is too much two steps in a row look at all, for the two
+        blocks that go into what follows (Simon 1984, partial reorthogonalisation).
         """
         block = self._effort.block
         near = max(end - 2 * block, 0)
-        diagonal = orthogonalize(self._basis[near:end], image)[-block:]
-        if self._n_known or self._lossy or step % _PERIOD < 2:
-            before = np.linalg.norm(image, axis=1)
-            inside = orthogonalize(self._basis[:end], image)
-            lost = np.abs(inside[:near]).max(initial=0.0)
-            self._lossy |= bool(lost > _MOST_LOST * before.min())
-            diagonal += inside[-block:]
-        return diagonal
+        inside = orthogonalize(self._basis[near:end], image)
+        self._scale = max(self._scale, float(np.linalg.norm(inside)))
+        self._lost *= self._scale / np.sqrt((image**2).sum(axis=1).min())
+        if self._n_known or self._owed or not self._lost < _MOST_LOST:
+            inside[-block:] += orthogonalize(self._basis[:end], image)[-block:]
+            self._owed, self._lost = not self._owed, _LEAST_LOST
+        return inside[-block:]
 
     def _converge(self) -> None:
         """Look at which eigenvalues have converged, and their weights in the basis."""

@@ -365,11 +365,12 @@ def _junction(
     end = int(np.searchsorted(values, factors.shift))
     following = np.searchsorted(values, low + close)
     complete = np.arange(len(low)) + end - following == factors.n_below - ladder.n_certified
+    gaps = np.append(values[:end], factors.shift)[np.minimum(following, end)] - low
+    complete &= gaps > close
     if not complete.any():
         return None
-    gaps = np.append(values[:end], factors.shift)[np.minimum(following, end)] - low
-    kept = int(np.argmax(np.where(complete & (gaps > close), gaps, -np.inf)))
-    return (kept, int(following[kept])) if gaps[kept] > close else None
+    kept = int(np.argmax(np.where(complete, gaps, -np.inf)))
+    return kept, int(following[kept])
 
 
 def _search(
