@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from auricle.arrays import Floats
+from auricle.arrays import Floats, Integers
 from auricle.errors import SolverError
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
 from auricle.spectral.ldl import eliminate, working_size
@@ -49,8 +49,15 @@ class SymbolicFactorization:
         )
 
 
-def analyze(matrix: sparse.csc_array) -> SymbolicFactorization:
+def analyze(matrix: sparse.csc_array, order: Integers | None = None) -> SymbolicFactorization:
     """Order and plan the factorisation of a symmetric matrix; its values do not matter.
+
+    Parameters
+    ----------
+    matrix
+        Both triangles stored, shape (n, n).
+    order
+        To eliminate its rows in, shape (n,); found by nested dissection unless given.
 
     Raises
     ------
@@ -62,7 +69,8 @@ def analyze(matrix: sparse.csc_array) -> SymbolicFactorization:
         raise SolverError(
             f"a matrix of shape {matrix.shape} is not symmetric: store both of its triangles"
         )
-    plan = elimination_plan(matrix, nested_dissection(matrix))
+    order = nested_dissection(matrix) if order is None else order
+    plan = elimination_plan(matrix, order)
     return SymbolicFactorization(plan, matrix.indptr.copy(), matrix.indices.copy())
 
 

@@ -5,7 +5,6 @@ the columns in the fastest cache and read the basis once a pass: three to five t
 """
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
@@ -60,22 +59,21 @@ def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     Cholesky's factor of the Gram matrix, once more where that was far from the identity;
     Householder's method where the rows are too near to dependent for that.
     """
-    sizes = np.sqrt(_squares(block))
-    if not sizes.all():
-        return _by_householder(block)
-    rows, triangle = block / sizes[:, None], np.diag(sizes)
+    rows, triangle = block, np.eye(len(block))
     for _ in range(2):
         gram = np.zeros((len(rows), len(rows)))
         _project(rows, rows, gram)
+        sizes = np.sqrt(np.diag(gram))
+        if not sizes.all():
+            return _by_householder(block)
         try:
-            factor = cholesky(gram, lower=True)
-        except LinAlgError:
+            factor = np.linalg.cholesky(gram / np.outer(sizes, sizes))
+        except np.linalg.LinAlgError:
             return _by_householder(block)
         least = np.diag(factor).min()
         if least < _DEPENDENT:
             return _by_householder(block)
-        rows = solve_triangular(factor, np.eye(len(factor)), lower=True) @ rows
-        triangle = triangle @ factor
+        rows, triangle = (np.linalg.inv(factor) / sizes) @ rows, triangle @ (sizes[:, None] * factor)
         if least > _INDEPENDENT:
             break
     return rows, triangle

@@ -7,7 +7,7 @@ from scipy import sparse
 from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
-from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
+from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
 from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
@@ -230,7 +230,11 @@ def operator_harmonics(
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
     matrix = _symmetrized(operator)
-    symbolic = analyze(matrix)
+    # In order of elimination neighbours lie side by side, and solves need not look for them.
+    order = analyze(matrix).plan.order
+    matrix = sparse.csc_array(matrix[order][:, order])
+    matrix.sort_indices()
+    symbolic = analyze(matrix, np.arange(len(order)))
     scale = 4 * np.pi / operator.areas.sum()
     n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:
@@ -264,7 +268,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
     certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
     _require_certificate(certificate)
     values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, refined.values)
-    modes = _modes(refined.rows, operator.areas, workers)
+    modes = _modes(refined.rows, order, operator.areas, workers)
     return Harmonics(values, modes, operator.areas, operator.kind, certificate)
 
 
@@ -318,13 +322,16 @@ def _certificate(
     )
 
 
-def _modes(rows: Floats, areas: PerVertex, workers: Workers) -> Modes:
-    """Eigenvectors of the symmetrised matrix as orthonormal under the areas, with their sign."""
+def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) -> Modes:
+    """Eigenvectors of the symmetrised matrix as orthonormal under the areas, with their sign.
+
+    Entries of `rows` belong to the vertices in `order`.
+    """
     modes = np.empty_like(rows)
-    roots = 1 / np.sqrt(areas)
+    position, roots = np.argsort(order), 1 / np.sqrt(areas)
 
     def fill(some: slice) -> None:
-        part = np.multiply(rows[some], roots, out=modes[some])
+        part = np.multiply(rows[some][:, position], roots, out=modes[some])
         peaks = np.take_along_axis(part, np.abs(part).argmax(axis=1)[:, None], axis=1)
         part *= np.sign(peaks)
 
