@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from auricle.arrays import Floats
 from auricle.report.labels import figure_text
 from auricle.study.paper.printed import DECAYS, GEOMETRY
+from auricle.study.paper.surfaces import PICTURED_FOCI
 from auricle.study.paper.tables import PRINTED_SHARES, READINGS, Values, taus
 
 WIDTH = 9.0
@@ -18,6 +19,12 @@ WIDTH = 9.0
 
 METHOD_COLOURS = {"mha": "#0072b2", "qslim": "#d55e00"}
 METHOD_NAMES = {"mha": "harmonics (MHA)", "qslim": "points left (Qslim)"}
+WAY_STYLES = {
+    "harmonics": ("harmonics", "#0072b2", "-"),
+    "points_with_feature": ("points, Qslim with the map in R⁴", "#d55e00", "-"),
+    "points": ("points, Qslim of the geometry", "#8a6d3b", "--"),
+}
+"""Name, colour and line of each way to recover a map, as `thinned_features.WAYS` has them."""
 AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00", "z": "#009e73"}
 SIZE_COLOURS = ("#08306b", "#2f7fbc", "#e69f00", "#cc79a7")
 _PAPER = "#b00000"
@@ -179,6 +186,41 @@ def feature_spectra_figure(documents: Sequence[Values]) -> Figure:
     row[0].set_ylabel("share of power per harmonic (%)")
     handles, labels = row[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(sizes), frameon=False)
+    return figure
+
+
+def feature_error_figure(documents: Sequence[Values]) -> Figure:
+    """Error of the focal maps by number of harmonics or points, a panel for each size.
+
+    Lines are means over cases, the bands one standard deviation, for the number of foci of the
+    paper's Figure 4 or the nearest there is.
+    """
+    records = documents[0]["thinned_features"]
+    n_foci = min({each["n_foci"] for each in records}, key=lambda n: abs(n - PICTURED_FOCI))
+    places = [place for place, each in enumerate(records) if each["n_foci"] == n_foci]
+    figure = Figure(figsize=(WIDTH, 3.8), layout="constrained")
+    row = figure.subplots(1, len(places), sharey=True, squeeze=False)[0]
+    left = 100 * (1 - documents[0]["parameters"]["shares"][-1]) ** 0.5
+    for axes, place in zip(row, places, strict=True):
+        for way, (name, colour, line) in WAY_STYLES.items():
+            found = [document["thinned_features"][place] for document in documents]
+            curves = [(each["counts"], each["nrmse"][way]) for each in found]
+            counts, mean, deviation = (100 * each for each in _mean_curve(curves))
+            low, high = np.maximum(mean - deviation, mean / 50), mean + deviation
+            axes.fill_between(counts / 100, low, high, color=colour, alpha=0.15, lw=0)
+            axes.plot(counts / 100, mean, f"o{line}", color=colour, ms=3, label=name)
+        axes.axhline(left, color=_GUIDE, lw=0.8, ls=":")
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        _number_axis(axes, counts[0] / 100, counts[-1] / 100)
+        axes.set_xlabel("harmonics or points (number)")
+        axes.set_title(f"{records[place]['size']}, σ = {records[place]['sigma_mm']:g} mm")
+    row[0].set_ylabel("error of the map (% of its standard deviation)")
+    handles, labels = row[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle("1 focus" if n_foci == 1 else f"{n_foci} foci", fontsize="medium")
     return figure
 
 

@@ -5,9 +5,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from auricle.report.cohort_tables import METHODS, NOTHING, case_name, count_words, span_words
+from auricle.report.cohort_tables import (
+    METHODS,
+    NOTHING,
+    case_name,
+    count_words,
+    signed_percent,
+    span_words,
+)
 from auricle.report.tables import Table
-from auricle.report.wording import number, percent
+from auricle.report.wording import counted, number, percent
+from auricle.study.paper.comparisons import (
+    Comparison,
+    recovered_comparisons,
+    recovered_maps,
+    resolution_comparisons,
+)
 from auricle.study.paper.statistics import half_widths, summary
 from auricle.study.paper.tables import Values, counts_of, decay_rows, headline_decays, taus
 
@@ -85,27 +98,62 @@ def segmentation_table(documents: Sequence[Values]) -> Table:
 
 def resolution_table(documents: Sequence[Values]) -> Table:
     """Counts at other numbers of vertices, foci at the same places."""
-    rows = []
-    for document in documents:
-        for finer in document["beyond"]["resolution"]:
-            for each in finer["features"]:
-                (base,) = (
-                    record
-                    for record in document["features"]
-                    if (record["n_foci"], record["size"]) == (1, each["size"])
-                )
-                rows.append(
-                    (
-                        case_name(document),
-                        f"{each['size']}, σ = {each['sigma_mm']:g} mm",
-                        f"{document['surface_analyzed']['n_vertices']:,}: {_medians(base)}",
-                        f"{finer['n_vertices']:,}: {_medians(each)}",
-                    )
-                )
+    base = sorted({document["surface_analyzed"]["n_vertices"] for document in documents})
+    at_base = f"{base[0]:,}" if len(base) == 1 else f"{base[0]:,} to {base[-1]:,}"
     return Table(
-        "Harmonics for one focus by resolution: median at the largest share (number)",
-        ("Case", "Focus", "Vertices: count", "Vertices: count"),
-        tuple(rows),
+        f"Harmonics by resolution of the mesh, against {at_base} vertices (number; medians over "
+        "cases)",
+        ("Vertices, map, share", "Cases", f"At {at_base}", "At these", "Change", "Least to most"),
+        tuple(
+            _comparison_cells(each, f"{each.where:,}: ")
+            for each in resolution_comparisons(documents)
+        ),
+    )
+
+
+def recovered_table(documents: Sequence[Values]) -> Table:
+    """Counts of maps carried to the surface rebuilt from few harmonics, with its own harmonics."""
+    return Table(
+        "Harmonics for a map on the surface rebuilt from harmonics (number; medians over cases)",
+        (
+            "Harmonics of the surface, map, share",
+            "Cases",
+            "On the original",
+            "On the rebuilt",
+            "Change",
+            "Least to most",
+        ),
+        tuple(
+            _comparison_cells(each, f"{each.where:,}: ")
+            for each in recovered_comparisons(documents)
+        ),
+    )
+
+
+def thinned_table(documents: Sequence[Values]) -> Table:
+    """Harmonics, and points of Qslim without and with the map, that keep as much of a map."""
+    share = documents[0]["parameters"]["shares"][-1]
+    return Table(
+        f"What keeps {percent(share)} of a map's power, error {percent((1 - share) ** 0.5)} of its "
+        "deviation (number; medians over cases)",
+        (
+            "Map",
+            "Harmonics",
+            "Points, Qslim with the map in R⁴",
+            "Points, Qslim of the geometry",
+            "Distance of the surface in R⁴ over that without the map",
+        ),
+        tuple(
+            (
+                f"{counted(each.n_foci, 'focus', 'foci')}, {each.size}, σ = {each.sigma_mm:g} mm",
+                *(
+                    count_words(each.counts[way])
+                    for way in ("harmonics", "points_with_feature", "points")
+                ),
+                number(each.gd_ratio),
+            )
+            for each in recovered_maps(documents, share=share)
+        ),
     )
 
 
@@ -133,6 +181,17 @@ def bootstrap_table(documents: Sequence[Values]) -> Table:
         "Mean over cases, and ± half of its 95 % interval for cohorts of other sizes (bootstrap)",
         ("Number", "Mean", *(f"{n} cases" for n in BOOTSTRAP_SIZES)),
         tuple(rows),
+    )
+
+
+def _comparison_cells(each: Comparison, where: str) -> tuple[str, ...]:
+    return (
+        f"{where}{each.words}, {percent(each.share)}",
+        str(each.n_cases),
+        number(each.before),
+        number(each.after),
+        signed_percent(each.change),
+        f"{signed_percent(each.change_low)} to {signed_percent(each.change_high)}",
     )
 
 

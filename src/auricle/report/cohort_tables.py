@@ -227,6 +227,17 @@ def span_words(low: float, high: float) -> str:
     return count_words(low) if low == high else f"{count_words(low)} to {count_words(high)}"
 
 
+def signed_percent(change: float) -> str:
+    """A change in percent with its sign, to two digits.
+
+    Examples
+    --------
+    >>> signed_percent(0.0312), signed_percent(-0.25), signed_percent(0.0)
+    ('+3.1 %', '−25 %', '0 %')
+    """
+    return f"{'+' if change > 0 else ''}{percent(change)}"
+
+
 def _ratio(value: float) -> str:
     return NOTHING if math.isinf(value) else number(value, digits=2)
 

@@ -191,6 +191,11 @@ def counts_of(
     ]
 
 
+def median(counts: Sequence[float] | Floats) -> float:
+    """The median where some numbers may be infinite: of an even number, the greater if one is."""
+    return float(np.quantile(counts, 0.5, method="higher" if np.isinf(counts).any() else "linear"))
+
+
 def _decay_row(
     documents: Sequence[Values], error: str, reading: str, counts: str, floor: bool
 ) -> DecayRow:
@@ -238,12 +243,12 @@ def _count_row(
 ) -> CountRow:
     cases = [[np.inf if count is None else count for count in case] for case in found]
     counts = np.concatenate(cases)
-    medians = [_median(case) for case in cases]
+    medians = [median(case) for case in cases]
     return CountRow(
         n_foci=n_foci,
         size=size,
         share=share,
-        median=_median(counts),
+        median=median(counts),
         low=float(counts.min()),
         high=float(counts.max()),
         n=len(counts),
@@ -252,11 +257,6 @@ def _count_row(
         case_high=max(medians),
         printed=_printed(n_foci, size, share),
     )
-
-
-def _median(counts: Sequence[float] | Floats) -> float:
-    """The median where some numbers may be infinite: of an even number, the greater if one is."""
-    return float(np.quantile(counts, 0.5, method="higher" if np.isinf(counts).any() else "linear"))
 
 
 def _printed(n_foci: int | None, size: str | None, share: float) -> int | None:
