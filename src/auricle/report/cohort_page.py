@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from auricle.atomic import write_bytes, write_text
 from auricle.errors import InputError
 from auricle.progress import Progress, silent
+from auricle.report.cohort_answers import study_answers
 from auricle.report.cohort_charts import (
     feature_error_figure,
     feature_spectra_figure,
@@ -49,19 +50,16 @@ from auricle.report.html import Caption, captioned, rendered
 from auricle.report.reproduction_page import reproduction_markdown
 from auricle.report.reproduction_tables import reproduction_tables
 from auricle.report.tables import Table
-from auricle.report.wording import counted, listed, number, printable
+from auricle.report.wording import counted, listed, printable
 from auricle.study.cohort.costs import Timed
-from auricle.study.paper.claims import Claim, Outcome, claims
+from auricle.study.paper.claims import claims
 from auricle.study.paper.surfaces import pictured_surfaces
 from auricle.study.paper.tables import (
-    CountRow,
-    DecayRow,
     Values,
     count_rows,
     decay_rows,
     decays_by_range,
     headline_decays,
-    nearest_by_range,
 )
 
 CAPTIONS: Mapping[str, Caption] = MappingProxyType(
@@ -198,7 +196,7 @@ def cohort_page(documents: Sequence[Timed], figures: Mapping[str, bytes]) -> str
     }
     context: dict[str, Any] = {
         "kinds": _kinds(values),
-        "answers": _answers(headline, nearest_by_range(decays), counts, found),
+        "answers": study_answers(values, counts, decays, found),
         "claims": found,
         "counts": count_table(counts),
         "decay": decay_table(
@@ -269,46 +267,6 @@ def _kinds(values: Sequence[Values]) -> str:
         "generated surface": "generated surface",
     }
     return listed([counted(n, words.get(kind, kind)) for kind, n in kinds.items()])
-
-
-def _answers(
-    headline: Sequence[DecayRow],
-    nearest: Sequence[DecayRow],
-    counts: Sequence[CountRow],
-    found: Sequence[Claim],
-) -> list[str]:
-    outcomes = Counter(claim.outcome for claim in found)
-    tally = listed([f"{outcomes[each]} {each.value}" for each in Outcome if outcomes[each]])
-    answers = [f"Of {counted(len(found), 'finding')} of the paper: {tally}."]
-    for row in headline:
-        if row.mha and row.qslim:
-            closest = next(each for each in nearest if each.error == row.error)
-            answers.append(
-                f"τ under {row.error}: {_tau_words(row)}; the paper prints {row.printed[0][0]:g} "
-                f"and {row.printed[1][0]:g}."
-                + (
-                    f" Fitted to counts {closest.counts} it is {_tau_words(closest)}."
-                    if closest.counts != row.counts
-                    else ""
-                )
-            )
-    ratios = [row.ratio for row in counts if row.ratio is not None and row.n_foci is not None]
-    if ratios:
-        answers.append(
-            f"Table 1's feature counts here are {number(min(ratios), digits=2)} to "
-            f"{number(max(ratios), digits=2)} times the printed ones, with foci whose widths the "
-            "paper does not state."
-        )
-    return answers
-
-
-def _tau_words(row: DecayRow) -> str:
-    if row.mha is None or row.qslim is None:
-        return "not known"
-    return (
-        f"{number(row.mha.mean)} ± {number(row.mha.deviation)} harmonics and "
-        f"{number(row.qslim.mean)} ± {number(row.qslim.deviation)} points"
-    )
 
 
 def _parameters(values: Values) -> Table:

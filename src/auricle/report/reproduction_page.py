@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from auricle.arrays import Floats
+from auricle.report.cohort_answers import resolution_answers
 from auricle.report.reproduction_tables import (
     Evidence,
     choice_table,
@@ -126,6 +127,7 @@ def _shown(found: Evidence) -> Iterator[str]:
     yield from _geometries(found)
     yield from _measures(found)
     yield from _growths(found)
+    yield from resolution_answers((*found.documents, *found.left_out))
     for each in nearest_taus(found):
         printed = " and ".join(f"{DECAYS[(each.kind, method)][0]:g}" for method in ("mha", "qslim"))
         yield (
@@ -284,6 +286,21 @@ def _refusals(found: Evidence) -> Iterator[str]:
         yield "Every operator was solved on every case."
 
 
+def _indefinite(found: Evidence) -> Iterator[str]:
+    """Where Eq. 1 to the letter was no Laplacian."""
+    where = [
+        f"{each['name']}, {operator['dual_cell']} ({operator['n_negative']})"
+        for each in found.documents
+        for operator in each["conventions"]["operators"]
+        if operator["n_negative"]
+    ]
+    if where:
+        yield (
+            "Eq. 1 to the letter has negative eigenvalues, and is no Laplacian, on (their number): "
+            f"{'; '.join(where)}. There intrinsic Delaunay weights took the cotangents' place."
+        )
+
+
 def _refused(documents: Sequence[Values]) -> str:
     return "; ".join(
         f"{each['name']}: {row['operator'].replace('_', ' ')}, {row['dual_cell']} ({row['reason']})"
@@ -316,6 +333,7 @@ def _limits(found: Evidence) -> Iterator[str]:
             f"The nearest reading's widths reach an end of the range tried, {edges[0]:g} to "
             f"{edges[1]:g} mm: with others it could come nearer."
         )
+    yield from _indefinite(found)
     yield from _refusals(found)
     yield (
         "Voronoi cells are counted with fewer certified modes than cells of a third; beyond them "
