@@ -65,6 +65,8 @@ SIZES = (
 LIKELY = (10_000, 500)
 """That which a cluster's need is worked out for."""
 MANY_CASES, CORES = 10_000, (100, 1_000)
+LEAST_SECONDS = 0.1
+"""Of a stage over all runs, below which it is taken to have had nothing to do."""
 WARM = 10
 """Cases after which a worker's memory is looked at: all is loaded and compiled by then."""
 
@@ -214,7 +216,8 @@ def scaling_section() -> str:
         "| stage | " + " | ".join(f"n = {n:,}, k = {k}" for n, k in SIZES) + " | b | c |",
         "|---|" + "---|" * (len(SIZES) + 2),
     ]
-    for cost in stage_costs(documents):
+    done = (cost for cost in stage_costs(documents) if cost.total_s >= LEAST_SECONDS)
+    for cost in done:
         cells = [f"{document.timings[cost.stage]:.2f}" for document in documents]
         exponents = (
             with_error(cost.exponent, cost.exponent_error),
