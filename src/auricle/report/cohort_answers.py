@@ -65,10 +65,10 @@ def resolution_answers(documents: Sequence[Values]) -> Iterator[str]:
         else "the reduction biases counts by energy"
     )
     yield (
-        f"Does the reduction to {base:,} vertices bias the answer? With {meshes} in its place, "
-        f"foci at the same places, counts of harmonics change by a median of "
-        f"{signed_percent(worst.change)} where they change most ({_words(worst)}), and by "
-        f"{signed_percent(low.change_low)} to {signed_percent(high.change_high)} in single atria: "
+        f"Does the reduction to {base:,} vertices bias the answer? With {meshes} in its place and "
+        "foci at the same places, the median change of a count of harmonics is "
+        f"{signed_percent(worst.change)} where it is largest ({_words(worst)}), the change in "
+        f"single atria {signed_percent(low.change_low)} to {signed_percent(high.change_high)}: "
         f"{verdict}."
     )
 

@@ -10,6 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from auricle.arrays import Floats
 from auricle.report.labels import figure_text
+from auricle.report.wording import percent
 from auricle.study.paper.printed import DECAYS, GEOMETRY
 from auricle.study.paper.surfaces import PICTURED_FOCI
 from auricle.study.paper.tables import PRINTED_SHARES, READINGS, Values, taus
@@ -30,6 +31,8 @@ SIZE_COLOURS = ("#08306b", "#2f7fbc", "#e69f00", "#cc79a7")
 _PAPER = "#b00000"
 _GUIDE = "#777777"
 _BANDS_PER_DECADE = 10
+_NARROW = (1.0, 3.0)
+"""Labelled numbers in a decade where three panels stand side by side."""
 _LAST_SHOWN = 500
 """The paper: coefficients beyond were not shown "because of their extremely low power"."""
 _UNITS = {"GD": "mm", "MSE": "mm²"}
@@ -180,7 +183,7 @@ def feature_spectra_figure(documents: Sequence[Values]) -> Figure:
             )
         axes.set_yscale("log")
         axes.set_ylim(1e-5, 50)
-        _number_axis(axes, 2, n_modes)
+        _number_axis(axes, 2, n_modes, steps=_NARROW)
         axes.set_xlabel("harmonic k (number)")
         axes.set_title("1 focus" if n_foci == 1 else f"{n_foci} foci")
     row[0].set_ylabel("share of power per harmonic (%)")
@@ -192,8 +195,8 @@ def feature_spectra_figure(documents: Sequence[Values]) -> Figure:
 def feature_error_figure(documents: Sequence[Values]) -> Figure:
     """Error of the focal maps by number of harmonics or points, a panel for each size.
 
-    Lines are means over cases, the bands one standard deviation, for the number of foci of the
-    paper's Figure 4 or the nearest there is.
+    Lines are geometric means over cases, the bands one standard deviation of the logarithm, for
+    the number of foci of the paper's Figure 4 or the nearest there is.
     """
     records = documents[0]["thinned_features"]
     n_foci = min({each["n_foci"] for each in records}, key=lambda n: abs(n - PICTURED_FOCI))
@@ -205,16 +208,16 @@ def feature_error_figure(documents: Sequence[Values]) -> Figure:
         for way, (name, colour, line) in WAY_STYLES.items():
             found = [document["thinned_features"][place] for document in documents]
             curves = [(each["counts"], each["nrmse"][way]) for each in found]
-            counts, mean, deviation = (100 * each for each in _mean_curve(curves))
-            low, high = np.maximum(mean - deviation, mean / 50), mean + deviation
-            axes.fill_between(counts / 100, low, high, color=colour, alpha=0.15, lw=0)
-            axes.plot(counts / 100, mean, f"o{line}", color=colour, ms=3, label=name)
+            counts, mean, deviation = _mean_curve([(at, np.log(errors)) for at, errors in curves])
+            low, middle, high = (100 * np.exp(mean + by * deviation) for by in (-1, 0, 1))
+            axes.fill_between(counts, low, high, color=colour, alpha=0.15, lw=0)
+            axes.plot(counts, middle, f"o{line}", color=colour, ms=3, label=name)
         axes.axhline(left, color=_GUIDE, lw=0.8, ls=":")
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axes.yaxis.set_minor_formatter(NullFormatter())
-        _number_axis(axes, counts[0] / 100, counts[-1] / 100)
+        _number_axis(axes, counts[0], counts[-1], steps=_NARROW)
         axes.set_xlabel("harmonics or points (number)")
         axes.set_title(f"{records[place]['size']}, σ = {records[place]['sigma_mm']:g} mm")
     row[0].set_ylabel("error of the map (% of its standard deviation)")
@@ -259,7 +262,12 @@ def width_figure(documents: Sequence[Values]) -> Figure:
     axes.grid(color="#e4e4e4", lw=0.5)
     handles = [
         Line2D(
-            [], [], color=colour, marker="o", ls="none", label=f"{float(share):.0%} of the power"
+            [],
+            [],
+            color=colour,
+            marker="o",
+            ls="none",
+            label=f"{percent(float(share))} of the power",
         )
         for share, colour in zip(shares, SIZE_COLOURS, strict=False)
     ]
@@ -284,7 +292,9 @@ def banded(shares: Floats) -> tuple[Floats, Floats]:
     return np.sqrt(edges[:-1] * (edges[1:] - 1.0)), means
 
 
-def _mean_curve(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[Floats, ...]:
+def _mean_curve(
+    curves: Sequence[tuple[Sequence[float], Sequence[float] | Floats]],
+) -> tuple[Floats, ...]:
     """Counts that all cases have, with mean and deviation over them."""
     common = sorted(set.intersection(*(set(counts) for counts, _ in curves)))
     table = np.array([[errors[counts.index(k)] for k in common] for counts, errors in curves])
@@ -296,10 +306,12 @@ def _at(counts: Sequence[float], quantile: float) -> float:
     return float(np.quantile(counts, quantile)) if counts else float("nan")
 
 
-def _number_axis(axes: Axes, first: float, last: float) -> None:
+def _number_axis(
+    axes: Axes, first: float, last: float, *, steps: Sequence[float] = (1.0, 2.0, 5.0)
+) -> None:
     axes.set_xscale("log")
     axes.set_xlim(first, max(last, first + 1))
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_locator(LogLocator(subs=steps))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(color="#e4e4e4", linewidth=0.5)

@@ -8,6 +8,8 @@ from auricle.study.cohort.costs import Timed, cluster_need, stage_costs
 
 MANY_CASES = 10_000
 CORES = (100, 500, 1_000)
+_LEAST_SECONDS = 0.01
+"""Of a stage over all cases, below which it had nothing to do."""
 
 
 def cost_tables(documents: Sequence[Timed]) -> tuple[Table, ...]:
@@ -26,6 +28,7 @@ def cost_tables(documents: Sequence[Timed]) -> tuple[Table, ...]:
             _exponent(each.modes_exponent, each.modes_exponent_error),
         )
         for each in costs
+        if each.total_s >= _LEAST_SECONDS
     )
     total = sum(each.total_s for each in costs)
     everything = ("all", number(total / len(timed)), number(total), percent(1.0), "", "")

@@ -24,6 +24,7 @@ from auricle.study.paper.comparisons import (
 from auricle.study.paper.statistics import half_widths, summary
 from auricle.study.paper.tables import Values, counts_of, decay_rows, headline_decays, taus
 
+_UNITS = {"_mm_per_ms": "mm/ms", "_mm": "mm", "_ms": "ms"}
 BOOTSTRAP_SIZES = (4, 7, 14, 28, 56)
 
 
@@ -49,7 +50,7 @@ def class_table(documents: Sequence[Values]) -> Table:
                 f"({span_words(min(counts), max(counts))})",
                 f"{np.median(known):.0f}" if known else NOTHING,
             ]
-        settings = ", ".join(f"{key} {value:g}" for key, value in record["parameters"].items())
+        settings = ", ".join(_setting(*each) for each in record["parameters"].items())
         rows.append((f"{record['title']} ({settings})", *cells))
     head = [
         text
@@ -139,13 +140,13 @@ def thinned_table(documents: Sequence[Values]) -> Table:
         (
             "Map",
             "Harmonics",
-            "Points, Qslim with the map in R⁴",
-            "Points, Qslim of the geometry",
-            "Distance of the surface in R⁴ over that without the map",
+            "Points of Qslim with the map in R⁴",
+            "Points of Qslim of the geometry",
+            "Distance of the surface: in R⁴ over without the map",
         ),
         tuple(
             (
-                f"{counted(each.n_foci, 'focus', 'foci')}, {each.size}, σ = {each.sigma_mm:g} mm",
+                f"{counted(each.n_foci, 'focus', 'foci')}, {each.size}",
                 *(
                     count_words(each.counts[way])
                     for way in ("harmonics", "points_with_feature", "points")
@@ -184,6 +185,14 @@ def bootstrap_table(documents: Sequence[Values]) -> Table:
     )
 
 
+def _setting(key: str, value: float) -> str:
+    """A parameter of a class of maps with its unit, which ends its name."""
+    for ending, unit in _UNITS.items():
+        if key.endswith(ending):
+            return f"{key.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
+    return f"{key.replace('_', ' ')} {value:g}"
+
+
 def _comparison_cells(each: Comparison, where: str) -> tuple[str, ...]:
     return (
         f"{where}{each.words}, {percent(each.share)}",
@@ -191,7 +200,9 @@ def _comparison_cells(each: Comparison, where: str) -> tuple[str, ...]:
         number(each.before),
         number(each.after),
         signed_percent(each.change),
-        f"{signed_percent(each.change_low)} to {signed_percent(each.change_high)}",
+        NOTHING
+        if each.n_cases == 1
+        else f"{signed_percent(each.change_low)} to {signed_percent(each.change_high)}",
     )
 
 

@@ -103,9 +103,10 @@ CAPTIONS: Mapping[str, Caption] = MappingProxyType(
         ),
         "feature_error.svg": Caption(
             "Error of the maps: harmonics against points",
-            "Mean over the atria with one standard deviation (band). Points of Qslim hold the "
-            "map's own values; in R⁴ they are placed knowing the map, which no mapping procedure "
-            "does before it has mapped. Dotted: what leaves the largest share of Table 1.",
+            "Geometric mean over the atria with one standard deviation (band). Qslim of the "
+            "geometry reads the map at its points; in R⁴ it places them knowing the map, which no "
+            "mapping procedure does before it has mapped. Dotted: the error that leaves the "
+            "largest share of Table 1.",
             "Three charts of errors falling with the number of harmonics or points; for small foci "
             "points placed in R⁴ fall first, for wide ones harmonics.",
         ),
@@ -203,6 +204,7 @@ def cohort_page(documents: Sequence[Timed], figures: Mapping[str, bytes]) -> str
             decays_by_range(decays),
             "τ, mean ± deviation over cases (harmonics or points), by the counts it is fitted to",
         ),
+        "ranges": _ranges(values[0]),
         "assumptions": assumption_table(headline),
         "readings": reading_table(decays),
         "cases": case_table(values),
@@ -269,15 +271,31 @@ def _kinds(values: Sequence[Values]) -> str:
     return listed([counted(n, words.get(kind, kind)) for kind, n in kinds.items()])
 
 
+def _ranges(values: Values) -> str:
+    """What the names of the ranges of counts mean."""
+    counts = sorted(values["parameters"]["fitted_counts"])
+    shown = ", ".join(f"{count:,}" for count in counts[:3])
+    return (
+        f"Counts fitted: “even” are {shown} … {counts[-1]:,}; “even from 50” leaves the smaller "
+        "ones out; “geometric” are those in steps of a third or more."
+    )
+
+
 def _parameters(values: Values) -> Table:
     rows = tuple(
         (
             name.replace("_", " "),
-            ", ".join(map(str, value)) if isinstance(value, list) else f"{value}",
+            ", ".join(map(_plain, value)) if isinstance(value, list) else _plain(value),
         )
         for name, value in values["parameters"].items()
     )
     return Table("Parameters of every case", ("Parameter", "Value"), rows)
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:,}" if isinstance(value, int) else f"{value:g}"
 
 
 def _remarks(values: Sequence[Values]) -> list[str]:

@@ -7,6 +7,7 @@ from auricle.report.tables import Table
 from auricle.report.wording import number, percent, printable
 from auricle.study.paper.statistics import PairedTest, Summary, summary
 from auricle.study.paper.tables import (
+    READING_WORDS,
     READINGS,
     CountRow,
     DecayRow,
@@ -14,13 +15,6 @@ from auricle.study.paper.tables import (
     taus,
 )
 
-READING_WORDS = {
-    "gd_from_original_mm": "from the original's points to the rebuilt surface",
-    "gd_to_original_mm": "from the rebuilt's points to the original surface",
-    "mse_mm2": "MHA vertex by vertex, Qslim to the nearest point left",
-    "mse_nearest_from_original_mm2": "from the original's points to the nearest rebuilt point",
-    "mse_nearest_to_original_mm2": "from the rebuilt's points to the nearest original point",
-}
 NOTHING = "–"
 METHODS = {"mha": "MHA", "qslim": "Qslim"}
 
@@ -34,7 +28,7 @@ def count_table(rows: Sequence[CountRow]) -> Table:
     """Table 1: counts over all cases and placements, the printed value and the ratio beside."""
     return Table(
         "Table 1: harmonics that hold a share of the power (number, the constant one counted)",
-        ("Map", "Share", "Median", "Least to most", "Cases' medians", "Printed", "Ratio"),
+        ("Map", "Share", "Median", "Least to most", "Cases' medians", "Printed", "Ours / printed"),
         tuple(
             (
                 _map_words(row),

@@ -27,6 +27,7 @@ from auricle.report.reproduction_tables import (
     ratio_table,
 )
 from auricle.report.tables import Table
+from auricle.report.wording import percent
 from auricle.study.paper.printed import (
     ADEQUATE,
     DECAYS,
@@ -121,7 +122,7 @@ def _shown(found: Evidence) -> Iterator[str]:
         f"The nearest reading is: {nearest.convention.label}; typical factor "
         f"{factor(nearest.distance)} (cases {factor(nearest.by_case.min())} to "
         f"{factor(nearest.by_case.max())}), geometry {_counts(nearest, 0)} and "
-        f"{_counts(nearest, 1)}. It is first in {nearest.first_share:.0%} of resamples of the "
+        f"{_counts(nearest, 1)}. It is first in {percent(nearest.first_share)} of resamples of the "
         f"cases. {_verdict(nearest)}"
     )
     yield from _geometries(found)
@@ -131,7 +132,7 @@ def _shown(found: Evidence) -> Iterator[str]:
     for each in nearest_taus(found):
         printed = " and ".join(f"{DECAYS[(each.kind, method)][0]:g}" for method in ("mha", "qslim"))
         yield (
-            f"τ of {each.kind}: nearest to the printed {printed} points is {each.label}, with "
+            f"τ of {each.kind}: nearest to the printed {printed} points is {each.label}; with "
             f"{each.means[0]:.1f} and {each.means[1]:.1f}, a factor of {factor(each.distance)}."
         )
 

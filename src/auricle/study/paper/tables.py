@@ -24,6 +24,15 @@ READINGS = (
 )
 """The paper's two errors, and how each may be read, the headline's reading first."""
 
+READING_WORDS = {
+    "gd_from_original_mm": "from the original's points to the rebuilt surface",
+    "gd_to_original_mm": "from the rebuilt's points to the original surface",
+    "mse_mm2": "MHA vertex by vertex, Qslim to the nearest point left",
+    "mse_nearest_from_original_mm2": "from the original's points to the nearest rebuilt point",
+    "mse_nearest_to_original_mm2": "from the rebuilt's points to the nearest original point",
+}
+"""The readings in words."""
+
 PRINTED_SHARES = (0.85, 0.90)
 
 
