@@ -142,7 +142,7 @@ def thinned_table(documents: Sequence[Values]) -> Table:
             "Harmonics",
             "Points of Qslim with the map in R⁴",
             "Points of Qslim of the geometry",
-            "Distance of the surface: in R⁴ over without the map",
+            "Surface's mean distance, in R⁴ over without",
         ),
         tuple(
             (
@@ -179,7 +179,8 @@ def bootstrap_table(documents: Sequence[Values]) -> Table:
             rows.append((f"Harmonics, one {size} focus, {percent(share)}",
                          *_half_widths(medians, rng)))  # fmt: skip
     return Table(
-        "Mean over cases, and ± half of its 95 % interval for cohorts of other sizes (bootstrap)",
+        "Mean over cases (harmonics or points), and ± half of its 95 % interval for cohorts of "
+        "other sizes (bootstrap)",
         ("Number", "Mean", *(f"{n} cases" for n in BOOTSTRAP_SIZES)),
         tuple(rows),
     )
