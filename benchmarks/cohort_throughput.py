@@ -3,10 +3,10 @@
 ::
 
     python benchmarks/cohort_throughput.py            # 200 tiny cases, 1 and 2 workers; minutes
-    python benchmarks/cohort_throughput.py --scaling  # one atrium at five sizes; minutes
+    python benchmarks/cohort_throughput.py --scaling  # one atrium at seven sizes; minutes
 
-Each rewrites its section of docs/performance_study.md. Seconds are CPU seconds of the workers, so
-that other work on the machine disturbs them little; wall times are said beside.
+Each rewrites its section of docs/performance_study.md. Seconds are CPU seconds, so that other work
+on the machine disturbs them little; wall times are said beside where they are meant.
 """
 
 import argparse
@@ -27,7 +27,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 import psutil
 
-from auricle.study.cohort.costs import stage_costs
+from auricle.study.cohort.costs import cluster_need, stage_costs
 from auricle.study.cohort.execution import Work
 from auricle.study.cohort.identity import identified
 from auricle.study.cohort.processes import LocalWorkers
@@ -52,7 +52,21 @@ TINY = PaperParameters(
     class_draws=0,
     convention_vertices=0,
 )
-SIZES = (2_500, 5_000, 10_000, 20_000)
+SIZES = (
+    (2_500, 200),
+    (5_000, 200),
+    (10_000, 200),
+    (20_000, 200),
+    (10_000, 50),
+    (10_000, 100),
+    (10_000, 500),
+)
+"""Vertices and harmonics of each run: one row in either for each exponent."""
+LIKELY = (10_000, 500)
+"""That which a cluster's need is worked out for."""
+MANY_CASES, CORES = 10_000, (100, 1_000)
+LEAST_SECONDS = 0.1
+"""Of a stage over all runs, below which it is taken to have had nothing to do."""
 WARM = 10
 """Cases after which a worker's memory is looked at: all is loaded and compiled by then."""
 
@@ -155,31 +169,78 @@ def throughput_section(count: int) -> str:
     return "\n".join(lines)
 
 
+@dataclass
+class Stopwatch:
+    """CPU seconds by stage of a case, as it tells of its stages."""
+
+    started: dict[str, float]
+    seconds: dict[str, float]
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        """Note when a stage begins and when it ends."""
+        now = time.process_time()
+        self.started.setdefault(stage, now)
+        if done >= total:
+            self.seconds[stage] = now - self.started[stage]
+
+
+def timed_case(n_vertices: int, n_modes: int) -> CaseDocument:
+    """One generated atrium as the paper's study has it, with CPU seconds for its timings."""
+    parameters = replace(
+        PaperParameters(),
+        n_vertices=n_vertices,
+        n_modes=n_modes,
+        placements=5,
+        convention_vertices=0,
+    )
+    source = Path(f"atrium:seed=1,spacing={0.5 * (20_000 / n_vertices) ** 0.5:.3f}")
+    watch = Stopwatch({}, {})
+    document = run_case(source, parameters=parameters, progress=watch)
+    return CaseDocument(
+        document.values, {stage: watch.seconds[stage] for stage in document.timings}
+    )
+
+
 def scaling_section() -> str:
-    """Cost by stage of one generated atrium at five sizes, as the paper's study has them."""
-    whole = PaperParameters()
-    documents: list[CaseDocument] = []
-    for n_vertices in SIZES:
-        parameters = replace(whole, n_vertices=n_vertices, placements=5, convention_vertices=0)
-        source = Path(f"atrium:seed=1,spacing={0.5 * (20_000 / n_vertices) ** 0.5:.3f}")
-        documents.append(run_case(source, parameters=parameters))
+    """Cost by stage of one generated atrium at several sizes, and what it says of many."""
+    run_case(Path(sources(1)[0]), parameters=TINY)  # compiles what is compiled
+    documents = [timed_case(*size) for size in SIZES]
+    read = [document.values["surface_as_read"]["n_vertices"] for document in documents]
     lines = [
-        "One generated atrium at "
-        + ", ".join(
-            f"{document.values['surface_analyzed']['n_vertices']:,}" for document in documents
-        )
-        + " vertices, 1,000 harmonics, five placements, no comparison of conventions. The exponent "
-        "b is that of seconds ∝ verticesᵇ, of the surface as read for the first two stages.",
+        f"One generated atrium, {min(read):,} to {max(read):,} vertices as read, simplified to n "
+        "vertices, with k harmonics, five placements and no comparison of conventions; CPU seconds "
+        "of one thread. b and c are those of seconds ∝ nᵇ·kᶜ over the seven runs with their "
+        "standard errors, n of the surface as read for the first two stages. A stage that rebuilds "
+        "at more counts where there are more harmonics grows with k by that alone.",
         "",
-        "| stage | " + " | ".join(f"{size:,}, s" for size in SIZES) + " | b |",
-        "|---|" + "---|" * (len(SIZES) + 1),
+        "| stage | " + " | ".join(f"n = {n:,}, k = {k}" for n, k in SIZES) + " | b | c |",
+        "|---|" + "---|" * (len(SIZES) + 2),
     ]
-    for cost in stage_costs(documents):
+    done = (cost for cost in stage_costs(documents) if cost.total_s >= LEAST_SECONDS)
+    for cost in done:
         cells = [f"{document.timings[cost.stage]:.2f}" for document in documents]
-        fitted = cost.exponent is not None and cost.exponent_error is not None
-        b = f"{cost.exponent:.2f} ± {cost.exponent_error:.2f}" if fitted else "–"
-        lines.append(f"| {cost.stage} | " + " | ".join(cells) + f" | {b} |")
+        exponents = (
+            with_error(cost.exponent, cost.exponent_error),
+            with_error(cost.modes_exponent, cost.modes_exponent_error),
+        )
+        lines.append(f"| {cost.stage} | " + " | ".join((*cells, *exponents)) + " |")
+    totals = [f"{sum(document.timings.values()):.1f}" for document in documents]
+    lines.append("| all | " + " | ".join(totals) + " | | |")
+    likely = documents[SIZES.index(LIKELY)]
+    needs = [cluster_need([likely], n_cases=MANY_CASES, n_cores=n) for n in CORES]
+    lines += [
+        "",
+        f"{MANY_CASES:,} such cases of {LIKELY[0]:,} vertices and {LIKELY[1]} harmonics need "
+        f"{needs[0].core_hours:.0f} core-hours: "
+        + ", ".join(f"{need.wall_hours:.1f} h on {need.n_cores:,} cores" for need in needs)
+        + ". A study's own page works this out from its own cases, conventions included.",
+    ]
     return "\n".join(lines)
+
+
+def with_error(exponent: float | None, error: float | None) -> str:
+    """An exponent as the table has it."""
+    return "–" if exponent is None or error is None else f"{exponent:.2f} ± {error:.2f}"
 
 
 def write(heading: str, section: str) -> None:

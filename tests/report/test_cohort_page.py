@@ -14,8 +14,10 @@ from auricle.report.cohort_charts import banded
 from auricle.report.cohort_further_tables import (
     bootstrap_table,
     class_table,
+    recovered_table,
     resolution_table,
     segmentation_table,
+    thinned_table,
 )
 from auricle.report.cohort_page import CAPTIONS, cohort_page, write_cohort
 from auricle.report.cohort_tables import (
@@ -143,6 +145,8 @@ def test_every_row_fills_its_table(documents):
         case_table(values),
         class_table(values),
         resolution_table(values),
+        recovered_table(values),
+        thinned_table(values),
         segmentation_table(values),
         bootstrap_table(values),
     )

@@ -51,6 +51,32 @@ def test_an_operator_that_was_refused_is_named(made_up: ModuleType) -> None:
     assert "case: as printed, voronoi (no certificate)" in reproduction_markdown([case])
 
 
+def test_an_operator_that_is_no_laplacian_is_told_with_its_number(made_up: ModuleType) -> None:
+    case = made_up.document(made_up.only_true)
+    assert "has negative eigenvalues, and is" not in reproduction_markdown([case])
+    case["conventions"]["operators"][0]["n_negative"] = 2
+    assert "is no Laplacian, on (their number): case, third (2)" in reproduction_markdown([case])
+
+
+@pytest.mark.parametrize(
+    ("counts", "verdict"),
+    [((20, 21, 20), "does not bias counts"), ((23, 26, 24), "biases counts")],
+)
+def test_what_the_reduction_does_to_counts_is_answered(
+    made_up: ModuleType, counts: tuple[int, ...], verdict: str
+) -> None:
+    cases = []
+    for count in counts:
+        case = made_up.document(made_up.only_true)
+        finer = {"n_vertices": 100_000, "geometry": {"0.99": count}, "features": []}
+        case["beyond"]["resolution"] = [finer]
+        cases.append(case)
+    text = reproduction_markdown(cases)
+    assert "With 100,000 (3 atria) in its place" in text
+    assert verdict in text
+    assert "Does the reduction" not in reproduction_markdown([made_up.document(made_up.only_true)])
+
+
 def test_a_case_with_a_refused_operator_takes_no_reading_from_the_others(
     made_up: ModuleType,
 ) -> None:

@@ -10,7 +10,9 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from auricle.arrays import Floats
 from auricle.report.labels import figure_text
+from auricle.report.wording import percent
 from auricle.study.paper.printed import DECAYS, GEOMETRY
+from auricle.study.paper.surfaces import PICTURED_FOCI
 from auricle.study.paper.tables import PRINTED_SHARES, READINGS, Values, taus
 
 WIDTH = 9.0
@@ -18,11 +20,19 @@ WIDTH = 9.0
 
 METHOD_COLOURS = {"mha": "#0072b2", "qslim": "#d55e00"}
 METHOD_NAMES = {"mha": "harmonics (MHA)", "qslim": "points left (Qslim)"}
+WAY_STYLES = {
+    "harmonics": ("harmonics", "#0072b2", "-"),
+    "points_with_feature": ("points, Qslim with the map in R⁴", "#d55e00", "-"),
+    "points": ("points, Qslim of the geometry", "#8a6d3b", "--"),
+}
+"""Name, colour and line of each way to recover a map, as `thinned_features.WAYS` has them."""
 AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00", "z": "#009e73"}
 SIZE_COLOURS = ("#08306b", "#2f7fbc", "#e69f00", "#cc79a7")
 _PAPER = "#b00000"
 _GUIDE = "#777777"
 _BANDS_PER_DECADE = 10
+_NARROW = (1.0, 3.0)
+"""Labelled numbers in a decade where three panels stand side by side."""
 _LAST_SHOWN = 500
 """The paper: coefficients beyond were not shown "because of their extremely low power"."""
 _UNITS = {"GD": "mm", "MSE": "mm²"}
@@ -173,12 +183,47 @@ def feature_spectra_figure(documents: Sequence[Values]) -> Figure:
             )
         axes.set_yscale("log")
         axes.set_ylim(1e-5, 50)
-        _number_axis(axes, 2, n_modes)
+        _number_axis(axes, 2, n_modes, steps=_NARROW)
         axes.set_xlabel("harmonic k (number)")
         axes.set_title("1 focus" if n_foci == 1 else f"{n_foci} foci")
     row[0].set_ylabel("share of power per harmonic (%)")
     handles, labels = row[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(sizes), frameon=False)
+    return figure
+
+
+def feature_error_figure(documents: Sequence[Values]) -> Figure:
+    """Error of the focal maps by number of harmonics or points, a panel for each size.
+
+    Lines are geometric means over cases, the bands one standard deviation of the logarithm, for
+    the number of foci of the paper's Figure 4 or the nearest there is.
+    """
+    records = documents[0]["thinned_features"]
+    n_foci = min({each["n_foci"] for each in records}, key=lambda n: abs(n - PICTURED_FOCI))
+    places = [place for place, each in enumerate(records) if each["n_foci"] == n_foci]
+    figure = Figure(figsize=(WIDTH, 3.8), layout="constrained")
+    row = figure.subplots(1, len(places), sharey=True, squeeze=False)[0]
+    left = 100 * (1 - documents[0]["parameters"]["shares"][-1]) ** 0.5
+    for axes, place in zip(row, places, strict=True):
+        for way, (name, colour, line) in WAY_STYLES.items():
+            found = [document["thinned_features"][place] for document in documents]
+            curves = [(each["counts"], each["nrmse"][way]) for each in found]
+            counts, mean, deviation = _mean_curve([(at, np.log(errors)) for at, errors in curves])
+            low, middle, high = (100 * np.exp(mean + by * deviation) for by in (-1, 0, 1))
+            axes.fill_between(counts, low, high, color=colour, alpha=0.15, lw=0)
+            axes.plot(counts, middle, f"o{line}", color=colour, ms=3, label=name)
+        axes.axhline(left, color=_GUIDE, lw=0.8, ls=":")
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        _number_axis(axes, counts[0], counts[-1], steps=_NARROW)
+        axes.set_xlabel("harmonics or points (number)")
+        axes.set_title(f"{records[place]['size']}, σ = {records[place]['sigma_mm']:g} mm")
+    row[0].set_ylabel("error of the map (% of its standard deviation)")
+    handles, labels = row[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle("1 focus" if n_foci == 1 else f"{n_foci} foci", fontsize="medium")
     return figure
 
 
@@ -217,7 +262,12 @@ def width_figure(documents: Sequence[Values]) -> Figure:
     axes.grid(color="#e4e4e4", lw=0.5)
     handles = [
         Line2D(
-            [], [], color=colour, marker="o", ls="none", label=f"{float(share):.0%} of the power"
+            [],
+            [],
+            color=colour,
+            marker="o",
+            ls="none",
+            label=f"{percent(float(share))} of the power",
         )
         for share, colour in zip(shares, SIZE_COLOURS, strict=False)
     ]
@@ -242,7 +292,9 @@ def banded(shares: Floats) -> tuple[Floats, Floats]:
     return np.sqrt(edges[:-1] * (edges[1:] - 1.0)), means
 
 
-def _mean_curve(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[Floats, ...]:
+def _mean_curve(
+    curves: Sequence[tuple[Sequence[float], Sequence[float] | Floats]],
+) -> tuple[Floats, ...]:
     """Counts that all cases have, with mean and deviation over them."""
     common = sorted(set.intersection(*(set(counts) for counts, _ in curves)))
     table = np.array([[errors[counts.index(k)] for k in common] for counts, errors in curves])
@@ -254,10 +306,12 @@ def _at(counts: Sequence[float], quantile: float) -> float:
     return float(np.quantile(counts, quantile)) if counts else float("nan")
 
 
-def _number_axis(axes: Axes, first: float, last: float) -> None:
+def _number_axis(
+    axes: Axes, first: float, last: float, *, steps: Sequence[float] = (1.0, 2.0, 5.0)
+) -> None:
     axes.set_xscale("log")
     axes.set_xlim(first, max(last, first + 1))
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_locator(LogLocator(subs=steps))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(color="#e4e4e4", linewidth=0.5)

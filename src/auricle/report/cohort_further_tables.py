@@ -5,12 +5,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from auricle.report.cohort_tables import METHODS, NOTHING, case_name, count_words, span_words
+from auricle.report.cohort_tables import (
+    METHODS,
+    NOTHING,
+    case_name,
+    count_words,
+    signed_percent,
+    span_words,
+)
 from auricle.report.tables import Table
-from auricle.report.wording import number, percent
+from auricle.report.wording import counted, number, percent
+from auricle.study.paper.comparisons import (
+    Comparison,
+    recovered_comparisons,
+    recovered_maps,
+    resolution_comparisons,
+)
 from auricle.study.paper.statistics import half_widths, summary
 from auricle.study.paper.tables import Values, counts_of, decay_rows, headline_decays, taus
 
+_UNITS = {"_mm_per_ms": "mm/ms", "_mm": "mm", "_ms": "ms"}
 BOOTSTRAP_SIZES = (4, 7, 14, 28, 56)
 
 
@@ -36,7 +50,7 @@ def class_table(documents: Sequence[Values]) -> Table:
                 f"({span_words(min(counts), max(counts))})",
                 f"{np.median(known):.0f}" if known else NOTHING,
             ]
-        settings = ", ".join(f"{key} {value:g}" for key, value in record["parameters"].items())
+        settings = ", ".join(_setting(*each) for each in record["parameters"].items())
         rows.append((f"{record['title']} ({settings})", *cells))
     head = [
         text
@@ -85,27 +99,62 @@ def segmentation_table(documents: Sequence[Values]) -> Table:
 
 def resolution_table(documents: Sequence[Values]) -> Table:
     """Counts at other numbers of vertices, foci at the same places."""
-    rows = []
-    for document in documents:
-        for finer in document["beyond"]["resolution"]:
-            for each in finer["features"]:
-                (base,) = (
-                    record
-                    for record in document["features"]
-                    if (record["n_foci"], record["size"]) == (1, each["size"])
-                )
-                rows.append(
-                    (
-                        case_name(document),
-                        f"{each['size']}, σ = {each['sigma_mm']:g} mm",
-                        f"{document['surface_analyzed']['n_vertices']:,}: {_medians(base)}",
-                        f"{finer['n_vertices']:,}: {_medians(each)}",
-                    )
-                )
+    base = sorted({document["surface_analyzed"]["n_vertices"] for document in documents})
+    at_base = f"{base[0]:,}" if len(base) == 1 else f"{base[0]:,} to {base[-1]:,}"
     return Table(
-        "Harmonics for one focus by resolution: median at the largest share (number)",
-        ("Case", "Focus", "Vertices: count", "Vertices: count"),
-        tuple(rows),
+        f"Harmonics by resolution of the mesh, against {at_base} vertices (number; medians over "
+        "cases)",
+        ("Vertices, map, share", "Cases", f"At {at_base}", "At these", "Change", "Least to most"),
+        tuple(
+            _comparison_cells(each, f"{each.where:,}: ")
+            for each in resolution_comparisons(documents)
+        ),
+    )
+
+
+def recovered_table(documents: Sequence[Values]) -> Table:
+    """Counts of maps carried to the surface rebuilt from few harmonics, with its own harmonics."""
+    return Table(
+        "Harmonics for a map on the surface rebuilt from harmonics (number; medians over cases)",
+        (
+            "Harmonics of the surface, map, share",
+            "Cases",
+            "On the original",
+            "On the rebuilt",
+            "Change",
+            "Least to most",
+        ),
+        tuple(
+            _comparison_cells(each, f"{each.where:,}: ")
+            for each in recovered_comparisons(documents)
+        ),
+    )
+
+
+def thinned_table(documents: Sequence[Values]) -> Table:
+    """Harmonics, and points of Qslim without and with the map, that keep as much of a map."""
+    share = documents[0]["parameters"]["shares"][-1]
+    return Table(
+        f"What keeps {percent(share)} of a map's power, error {percent((1 - share) ** 0.5)} of its "
+        "deviation (number; medians over cases)",
+        (
+            "Map",
+            "Harmonics",
+            "Points of Qslim with the map in R⁴",
+            "Points of Qslim of the geometry",
+            "Surface's mean distance, in R⁴ over without",
+        ),
+        tuple(
+            (
+                f"{counted(each.n_foci, 'focus', 'foci')}, {each.size}",
+                *(
+                    count_words(each.counts[way])
+                    for way in ("harmonics", "points_with_feature", "points")
+                ),
+                number(each.gd_ratio),
+            )
+            for each in recovered_maps(documents, share=share)
+        ),
     )
 
 
@@ -130,9 +179,31 @@ def bootstrap_table(documents: Sequence[Values]) -> Table:
             rows.append((f"Harmonics, one {size} focus, {percent(share)}",
                          *_half_widths(medians, rng)))  # fmt: skip
     return Table(
-        "Mean over cases, and ± half of its 95 % interval for cohorts of other sizes (bootstrap)",
+        "Mean over cases (harmonics or points), and ± half of its 95 % interval for cohorts of "
+        "other sizes (bootstrap)",
         ("Number", "Mean", *(f"{n} cases" for n in BOOTSTRAP_SIZES)),
         tuple(rows),
+    )
+
+
+def _setting(key: str, value: float) -> str:
+    """A parameter of a class of maps with its unit, which ends its name."""
+    for ending, unit in _UNITS.items():
+        if key.endswith(ending):
+            return f"{key.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
+    return f"{key.replace('_', ' ')} {value:g}"
+
+
+def _comparison_cells(each: Comparison, where: str) -> tuple[str, ...]:
+    return (
+        f"{where}{each.words}, {percent(each.share)}",
+        str(each.n_cases),
+        number(each.before),
+        number(each.after),
+        signed_percent(each.change),
+        NOTHING
+        if each.n_cases == 1
+        else f"{signed_percent(each.change_low)} to {signed_percent(each.change_high)}",
     )
 
 

@@ -76,6 +76,32 @@ def rebuilt_maps_picture(surfaces: PicturedSurfaces) -> Figure:
     return figure
 
 
+def thinned_maps_picture(surfaces: PicturedSurfaces) -> Figure:
+    """As `rebuilt_maps_picture`, from points of Qslim with the map in the fourth component.
+
+    Every map has a surface of its own; colours are linear between the points' values.
+    """
+    counts = sorted(surfaces.maps[0].thinned)
+    figure, grid = _panels(len(surfaces.maps), len(counts) + 1)
+    view = best_view(surfaces.original, surfaces.maps[0].values)
+    levels = [each.thinned[count].mesh for each in surfaces.maps for count in counts]
+    everything = np.vstack([mesh.vertices for mesh in (surfaces.original, *levels)])
+    camera = _camera(everything, view, len(counts) + 1)
+    for row, each in zip(grid, surfaces.maps, strict=True):
+        row[0].set_ylabel(f"{each.size}, σ = {each.sigma_mm:g} mm")
+        shown: list[tuple[str, Mesh, np.ndarray]] = [
+            (f"{count} points", each.thinned[count].mesh, each.thinned[count].values)
+            for count in counts
+        ]
+        shown.append(("as simulated", surfaces.original, each.values))
+        for axes, (title, mesh, values) in zip(row, shown, strict=True):
+            _show(axes, render(mesh, camera, values, scale=FOCUS_SCALE))
+            axes.set_title(title, fontsize="small")
+    _add_bar(figure, grid, FOCUS_SCALE)
+    figure.supxlabel(f"seen from {view.seen_from}; {_NOTE}", fontsize="x-small")
+    return figure
+
+
 def _camera(points: np.ndarray, view: View, n_columns: int) -> Camera:
     side = RESOLUTION * WIDTH / n_columns
     (camera,) = cameras(points, [view], width=round(side), height=round(SIDE * side))

@@ -7,6 +7,7 @@ from auricle.report.tables import Table
 from auricle.report.wording import number, percent, printable
 from auricle.study.paper.statistics import PairedTest, Summary, summary
 from auricle.study.paper.tables import (
+    READING_WORDS,
     READINGS,
     CountRow,
     DecayRow,
@@ -14,13 +15,6 @@ from auricle.study.paper.tables import (
     taus,
 )
 
-READING_WORDS = {
-    "gd_from_original_mm": "from the original's points to the rebuilt surface",
-    "gd_to_original_mm": "from the rebuilt's points to the original surface",
-    "mse_mm2": "MHA vertex by vertex, Qslim to the nearest point left",
-    "mse_nearest_from_original_mm2": "from the original's points to the nearest rebuilt point",
-    "mse_nearest_to_original_mm2": "from the rebuilt's points to the nearest original point",
-}
 NOTHING = "–"
 METHODS = {"mha": "MHA", "qslim": "Qslim"}
 
@@ -34,7 +28,7 @@ def count_table(rows: Sequence[CountRow]) -> Table:
     """Table 1: counts over all cases and placements, the printed value and the ratio beside."""
     return Table(
         "Table 1: harmonics that hold a share of the power (number, the constant one counted)",
-        ("Map", "Share", "Median", "Least to most", "Cases' medians", "Printed", "Ratio"),
+        ("Map", "Share", "Median", "Least to most", "Cases' medians", "Printed", "Ours / printed"),
         tuple(
             (
                 _map_words(row),
@@ -225,6 +219,17 @@ def count_words(value: float) -> str:
 def span_words(low: float, high: float) -> str:
     """From a least to a greatest count."""
     return count_words(low) if low == high else f"{count_words(low)} to {count_words(high)}"
+
+
+def signed_percent(change: float) -> str:
+    """A change in percent with its sign, to two digits.
+
+    Examples
+    --------
+    >>> signed_percent(0.0312), signed_percent(-0.25), signed_percent(0.0)
+    ('+3.1 %', '−25 %', '0 %')
+    """
+    return f"{'+' if change > 0 else ''}{percent(change)}"
 
 
 def _ratio(value: float) -> str:

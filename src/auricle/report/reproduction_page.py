@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from auricle.arrays import Floats
+from auricle.report.cohort_answers import resolution_answers
 from auricle.report.reproduction_tables import (
     Evidence,
     choice_table,
@@ -26,6 +27,7 @@ from auricle.report.reproduction_tables import (
     ratio_table,
 )
 from auricle.report.tables import Table
+from auricle.report.wording import percent
 from auricle.study.paper.printed import (
     ADEQUATE,
     DECAYS,
@@ -120,16 +122,17 @@ def _shown(found: Evidence) -> Iterator[str]:
         f"The nearest reading is: {nearest.convention.label}; typical factor "
         f"{factor(nearest.distance)} (cases {factor(nearest.by_case.min())} to "
         f"{factor(nearest.by_case.max())}), geometry {_counts(nearest, 0)} and "
-        f"{_counts(nearest, 1)}. It is first in {nearest.first_share:.0%} of resamples of the "
+        f"{_counts(nearest, 1)}. It is first in {percent(nearest.first_share)} of resamples of the "
         f"cases. {_verdict(nearest)}"
     )
     yield from _geometries(found)
     yield from _measures(found)
     yield from _growths(found)
+    yield from resolution_answers((*found.documents, *found.left_out))
     for each in nearest_taus(found):
         printed = " and ".join(f"{DECAYS[(each.kind, method)][0]:g}" for method in ("mha", "qslim"))
         yield (
-            f"τ of {each.kind}: nearest to the printed {printed} points is {each.label}, with "
+            f"τ of {each.kind}: nearest to the printed {printed} points is {each.label}; with "
             f"{each.means[0]:.1f} and {each.means[1]:.1f}, a factor of {factor(each.distance)}."
         )
 
@@ -284,6 +287,21 @@ def _refusals(found: Evidence) -> Iterator[str]:
         yield "Every operator was solved on every case."
 
 
+def _indefinite(found: Evidence) -> Iterator[str]:
+    """Where Eq. 1 to the letter was no Laplacian."""
+    where = [
+        f"{each['name']}, {operator['dual_cell']} ({operator['n_negative']})"
+        for each in found.documents
+        for operator in each["conventions"]["operators"]
+        if operator["n_negative"]
+    ]
+    if where:
+        yield (
+            "Eq. 1 to the letter has negative eigenvalues, and is no Laplacian, on (their number): "
+            f"{'; '.join(where)}. There intrinsic Delaunay weights took the cotangents' place."
+        )
+
+
 def _refused(documents: Sequence[Values]) -> str:
     return "; ".join(
         f"{each['name']}: {row['operator'].replace('_', ' ')}, {row['dual_cell']} ({row['reason']})"
@@ -316,6 +334,7 @@ def _limits(found: Evidence) -> Iterator[str]:
             f"The nearest reading's widths reach an end of the range tried, {edges[0]:g} to "
             f"{edges[1]:g} mm: with others it could come nearer."
         )
+    yield from _indefinite(found)
     yield from _refusals(found)
     yield (
         "Voronoi cells are counted with fewer certified modes than cells of a third; beyond them "

@@ -8,6 +8,7 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.report.tables import Table
+from auricle.report.wording import percent
 from auricle.study.paper.decay_readings import DecayReading, decay_readings, nearest_decays
 from auricle.study.paper.printed import CONTRADICTIONS, DECAYS, SIZES, TABLE_1, Entry
 from auricle.study.paper.reproduction import (
@@ -284,7 +285,7 @@ def map_name(n_foci: int, size: str) -> str:
 
 def entry_name(entry: Entry) -> str:
     """A count of Table 1 in words."""
-    return f"{map_name(entry.n_foci, entry.size)}, {float(entry.share):.0%}"
+    return f"{map_name(entry.n_foci, entry.size)}, {percent(float(entry.share))}"
 
 
 def _of_size(size: str) -> Callable[[Entry], bool]:
@@ -300,7 +301,7 @@ def _nearness_row(found: Evidence, each: Nearness) -> tuple[str, ...]:
         f"{factor(each.by_case.min())} – {factor(each.by_case.max())}",
         factor(each.geometry),
         factor(each.features),
-        f"{each.first_share:.0%}",
+        percent(each.first_share),
     )
 
 

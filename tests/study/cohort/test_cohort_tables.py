@@ -76,6 +76,19 @@ def test_the_exponent_of_a_power_law_is_found(cohort) -> None:
     assert cost.total_s == pytest.approx(sum(1e-5 * n**1.5 for n in SIZES.values()))
 
 
+def test_exponents_in_vertices_and_harmonics_are_told_apart() -> None:
+    cases = []
+    for n, k in ((1_000, 50), (2_000, 50), (4_000, 50), (2_000, 100), (2_000, 200)):
+        case = kept(f"{n}-{k}", n, seconds=1e-6 * n**1.2 * k**0.8)
+        case.values["certificate"] = {"n_modes": k}
+        cases.append(case)
+    (cost,) = stage_costs(cases)
+    assert cost.exponent == pytest.approx(1.2, abs=1e-9)
+    assert cost.modes_exponent == pytest.approx(0.8, abs=1e-9)
+    (alone,) = stage_costs(cases[:3])
+    assert (alone.exponent, alone.modes_exponent) == (pytest.approx(1.2), None)
+
+
 def test_cases_of_one_size_give_no_exponent() -> None:
     alike = [kept("a", 10_000), kept("b", 10_100), kept("c", 10_200)]
     assert stage_costs(alike)[0].exponent is None

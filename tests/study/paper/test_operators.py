@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from auricle.spectral.harmonics import operator_harmonics
+from auricle.spectral.laplacian import laplacian
 from auricle.study.paper.operators import DUAL_CELLS, OPERATORS, operator_of, voronoi_areas
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import ellipsoid, icosphere
@@ -38,6 +39,30 @@ def test_the_constant_is_a_mode_only_of_eq_1_as_printed(cell: str) -> None:
     assert np.abs(printed.matrix @ one).max() < 1e-12
     assert np.abs(symmetrised.matrix @ one).max() > 1e-3
     assert np.abs(symmetrised.matrix @ np.sqrt(symmetrised.areas)).max() < 1e-12
+
+
+def test_eq_1_as_printed_can_have_negative_eigenvalues_which_other_weights_mend() -> None:
+    # A sphere drawn out at its poles: cells that shrink fast, between obtuse angles.
+    mesh = icosphere(radius=10.0, subdivisions=2)
+    vertices = mesh.vertices.copy()
+    vertices[:, 2] = 10.0 * (vertices[:, 2] / 10.0) ** 3
+    squeezed = Mesh(vertices, mesh.faces)
+    assert laplacian(squeezed).kind == "cotangent"
+    weights = laplacian(squeezed)
+    scale = 1 / np.sqrt(weights.areas)
+    letter = weights.stiffness.toarray() * np.outer(scale, scale)
+    np.fill_diagonal(letter, 0.0)
+    np.fill_diagonal(letter, -letter.sum(axis=1))
+    values = np.linalg.eigvalsh(letter)
+    assert values[0] < -0.01
+    operator = operator_of(squeezed, "as_printed", "third")
+    assert operator.n_negative == (values < -1e-6).sum()
+    assert operator.pair.kind == "intrinsic Delaunay"
+    mended = np.linalg.eigvalsh(operator.matrix.toarray())
+    assert mended[0] == pytest.approx(0.0, abs=1e-10)
+    assert mended[1] > 0.01
+    assert operator_of(squeezed, "symmetrised", "third").pair.kind == "cotangent"
+    assert operator_of(mesh, "as_printed", "third").n_negative == 0
 
 
 def test_the_solver_takes_eq_1_as_printed_as_a_standard_eigenproblem() -> None:

@@ -167,3 +167,24 @@ def test_a_surface_too_coarse_for_its_harmonics_is_refused(tmp_path):
     write_surface(path, icosphere(radius=30.0, subdivisions=1))
     with pytest.raises(InputError, match="120 harmonics of 42 vertices"):
         run_case(path, parameters=PARAMETERS)
+
+
+def test_counts_of_maps_hardly_change_on_the_recovered_surface(tmp_path):
+    found = case_of(tmp_path, bumpy(), n_modes=200, focus_widths_mm=(8.0, 16.0))
+    (again,) = found["beyond"]["recovered"]
+    assert again["count"] == 100
+    assert again["area_mm2"] == pytest.approx(found["shell"]["area_mm2"], rel=0.02)
+    for after, before in zip(
+        again["features"], (e for e in found["features"] if e["n_foci"] == 1), strict=True
+    ):
+        change = np.subtract(after["counts"]["0.9"], before["counts"]["0.9"])
+        assert change == pytest.approx(0, abs=3)
+
+
+def test_maps_thinned_out_in_four_dimensions_are_kept_for_pictures(values):
+    for each in pictured_surfaces(values["surfaces"]).maps:
+        assert {count: level.mesh.n_vertices for count, level in each.thinned.items()} == {
+            50: 50,
+            100: 100,
+        }
+        assert each.thinned[100].values.max() == pytest.approx(each.values.max(), abs=0.15)

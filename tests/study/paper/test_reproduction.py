@@ -56,7 +56,9 @@ def document(scale: Scale, coarser: Scale | None = None) -> dict[str, Any]:
         "n_placements": 4,
         "focus_counts": [1, 2, 3],
         "widths_mm": WIDTHS,
-        "operators": [{"balance": {"as_printed unweighted": 1.002}}],
+        "operators": [
+            {"balance": {"as_printed unweighted": 1.002}, "dual_cell": "third", "n_negative": 0}
+        ],
         "refused": [],
         "geometry": geometry,
         "features": features,
@@ -70,7 +72,16 @@ def document(scale: Scale, coarser: Scale | None = None) -> dict[str, Any]:
             "geometry": fewer,
             "features": features,
         }
-    return {"name": "case", "conventions": conventions, "decay": decay(1.0)}
+    return {
+        "name": "case",
+        "conventions": conventions,
+        "decay": decay(1.0),
+        "surface_analyzed": {"n_vertices": 9_000},
+        "parameters": {"shares": [0.85, 0.9]},
+        "geometry": {"counts": {"0.99": 20}},
+        "features": [],
+        "beyond": {"resolution": []},
+    }
 
 
 def decay(scale: float) -> list[dict[str, Any]]:

@@ -5,15 +5,17 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.stats import linregress
 
 from auricle.arrays import Floats
 
 _OF_THE_INPUT = ("surface", "simplify")
-"""Stages whose work grows with the surface as read; the others' with the surface analysed."""
+"""Stages whose work grows with the surface as read; the others' with the surface analysed and with
+its harmonics."""
 
 _LEAST_SPAN = 1.5
 """Ratio of the largest to the smallest surface below which no exponent is stated."""
+
+_FEWEST_SIZES = 3
 
 _LEAST_SECONDS = 0.01
 """A stage shorter than this says nothing of its growth."""
@@ -46,8 +48,11 @@ class StageCost:
     share
         Of the time of all stages.
     exponent, exponent_error
-        b in seconds ∝ nᵇ over the cases, n the number of vertices it works on, and its standard
+        b in seconds ∝ nᵇ·kᶜ over the cases, n the number of vertices it works on, and its standard
         error; None where the cases are too much of a size.
+    modes_exponent, modes_exponent_error
+        c, k the number of harmonics; None where all cases have about as many, or for stages that
+        come before harmonics.
     """
 
     stage: str
@@ -57,6 +62,8 @@ class StageCost:
     share: float
     exponent: float | None
     exponent_error: float | None
+    modes_exponent: float | None = None
+    modes_exponent_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -92,33 +99,53 @@ def stage_costs(cases: Sequence[Timed]) -> tuple[StageCost, ...]:
 def _stage_cost(stage: str, cases: Sequence[Timed], total: float) -> StageCost:
     through = [case for case in cases if stage in case.timings]
     seconds = np.array([case.timings[stage] for case in through])
-    known = [(n, s) for case, s in zip(through, seconds, strict=True) if (n := _size(case, stage))]
-    sizes = np.array([n for n, _ in known], dtype=float)
-    exponent, error = _exponent(sizes, np.array([s for _, s in known]))
+    known = [
+        (s, *sizes)
+        for case, s in zip(through, seconds.tolist(), strict=True)
+        if min(sizes := _sizes(case, stage)) > 0
+    ]
+    fitted = _exponents(np.reshape(known, (-1, 3)))
     return StageCost(
         stage,
         len(through),
         float(np.median(seconds)),
         float(seconds.sum()),
         float(seconds.sum() / total) if total else 0.0,
-        exponent,
-        error,
+        *fitted,
     )
 
 
-def _size(case: Timed, stage: str) -> int:
-    """Vertices a stage works on; 0 if the case does not say."""
-    which = "surface_as_read" if stage in _OF_THE_INPUT else "surface_analyzed"
-    return int(case.values.get(which, {}).get("n_vertices", 0))
+def _sizes(case: Timed, stage: str) -> tuple[int, int]:
+    """Vertices and harmonics a stage works on; 0 vertices if the case does not say."""
+    of_the_input = stage in _OF_THE_INPUT
+    which = "surface_as_read" if of_the_input else "surface_analyzed"
+    n_vertices = int(case.values.get(which, {}).get("n_vertices", 0))
+    n_modes = int(case.values.get("certificate", {}).get("n_modes", 1))
+    return n_vertices, 1 if of_the_input else n_modes
 
 
-def _exponent(sizes: Floats, seconds: Floats) -> tuple[float | None, float | None]:
-    measurable = seconds >= _LEAST_SECONDS
-    sizes, seconds = sizes[measurable], seconds[measurable]
-    if len(np.unique(sizes)) < 3 or sizes.max() < _LEAST_SPAN * sizes.min():
-        return None, None
-    line = linregress(np.log(sizes), np.log(seconds))
-    return float(line.slope), float(line.stderr)
+def _exponents(rows: Floats) -> tuple[float | None, float | None, float | None, float | None]:
+    """Exponent of vertices with its standard error, and of harmonics; rows (seconds, n, k)."""
+    measured = rows[rows[:, 0] >= _LEAST_SECONDS]
+    wide = [
+        len(np.unique(sizes)) >= _FEWEST_SIZES and sizes.max() >= _LEAST_SPAN * sizes.min()
+        for sizes in measured[:, 1:].T
+    ]
+    chosen = np.flatnonzero(wide)
+    left = len(measured) - len(chosen) - 1
+    if not len(chosen) or left < 1:
+        return None, None, None, None
+    logs = np.log(measured)
+    factors = np.column_stack([np.ones(len(logs)), logs[:, 1 + chosen]])
+    solution, _, rank, _ = np.linalg.lstsq(factors, logs[:, 0])
+    if rank < factors.shape[1]:
+        return None, None, None, None
+    variance = ((logs[:, 0] - factors @ solution) ** 2).sum() / left
+    errors = np.sqrt(variance * np.diag(np.linalg.inv(factors.T @ factors)))
+    found: list[float | None] = [None] * 4
+    for place, which in enumerate(chosen.tolist(), start=1):
+        found[2 * which : 2 * which + 2] = float(solution[place]), float(errors[place])
+    return found[0], found[1], found[2], found[3]
 
 
 def cluster_need(cases: Sequence[Timed], *, n_cases: int, n_cores: int) -> ClusterNeed:

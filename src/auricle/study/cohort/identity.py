@@ -20,6 +20,7 @@ NOT_OF_A_CASE = (
     "viewer/",
     "study/cohort/",
     "study/paper/claims.py",
+    "study/paper/comparisons.py",
     "study/paper/decay_readings.py",
     "study/paper/printed.py",
     "study/paper/reproduction.py",

@@ -1,12 +1,13 @@
 """Beyond the paper: counts against width, other classes of maps, finer meshes, the true surface."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from auricle.arrays import Points
-from auricle.errors import InputError
+from auricle.errors import InputError, SolverError, SurfaceError
 from auricle.sampling.bandwidth import closed_form_modes
 from auricle.simulation.foci import gaussian_modes_for_power
 from auricle.simulation.map_classes import MAP_CLASSES, MapClass
@@ -89,6 +90,27 @@ def resolved(
     return main_counts(Stage(surface, capped, basis), places, parameters)
 
 
+def recovered(
+    stage: Stage, rebuilt: Mapping[int, Mesh], foci: Sequence[Foci], parameters: PaperParameters
+) -> list[dict[str, Any]]:
+    """What the counts of one focus are on the surface rebuilt from few harmonics.
+
+    The maps go with the vertices, as the fourth component does; the harmonics are those of the
+    rebuilt surface.
+
+    Returns
+    -------
+    list of dict
+        ``count``, the number of harmonics of the surface; ``area_mm2``; ``features`` as
+        `main_counts` has them, or the ``reason`` why the surface has no harmonics.
+    """
+    return [
+        {"count": count} | _on_recovered(stage, rebuilt[count], foci, parameters)
+        for count in parameters.recovered_counts
+        if count in rebuilt
+    ]
+
+
 def main_counts(
     stage: Stage, places: Sequence[Points], parameters: PaperParameters
 ) -> dict[str, Any]:
@@ -102,19 +124,37 @@ def main_counts(
             f"{share:g}": modes_holding(spectrum, share)
             for share in sorted({*parameters.shares, 0.95, 0.99})
         },
-        "features": [
-            {
-                "size": size,
-                "sigma_mm": width,
-                "counts": counts_by_share(
-                    stage.basis,
-                    np.column_stack([each.map_of(1, width) for each in foci]),
-                    parameters.shares,
-                ),
-            }
-            for size, width in zip(parameters.sizes, parameters.focus_widths_mm, strict=True)
-        ],
+        "features": _single_foci(stage, foci, parameters),
     }
+
+
+def _single_foci(
+    stage: Stage, foci: Sequence[Foci], parameters: PaperParameters
+) -> list[dict[str, Any]]:
+    return [
+        {
+            "size": size,
+            "sigma_mm": width,
+            "counts": counts_by_share(
+                stage.basis,
+                np.column_stack([each.map_of(1, width) for each in foci]),
+                parameters.shares,
+            ),
+        }
+        for size, width in zip(parameters.sizes, parameters.focus_widths_mm, strict=True)
+    ]
+
+
+def _on_recovered(
+    stage: Stage, surface: Mesh, foci: Sequence[Foci], parameters: PaperParameters
+) -> dict[str, Any]:
+    n_modes = min(COMPARED_MODES, parameters.n_modes)
+    try:
+        basis = manifold_harmonics(surface, n_modes, seed=parameters.seed, threads=1)
+    except (SurfaceError, SolverError) as fault:  # few harmonics may fold a surface flat
+        return {"area_mm2": surface.area, "features": [], "reason": str(fault)}
+    features = _single_foci(replace(stage, basis=basis), foci, parameters)
+    return {"area_mm2": surface.area, "features": features}
 
 
 def _class_record(

@@ -12,7 +12,13 @@ from auricle.progress import Progress, silent
 from auricle.simulation.phantom import truth_surface
 from auricle.spectral.harmonics import manifold_harmonics
 from auricle.study.clock import Clock
-from auricle.study.paper.beyond import class_records, main_counts, resolved, width_curve
+from auricle.study.paper.beyond import (
+    class_records,
+    main_counts,
+    recovered,
+    resolved,
+    width_curve,
+)
 from auricle.study.paper.conventions import convention_counts
 from auricle.study.paper.features import (
     Stage,
@@ -26,6 +32,7 @@ from auricle.study.paper.parameters import PaperParameters
 from auricle.study.paper.quality import decays, power_laws, quality_of_harmonics, quality_of_points
 from auricle.study.paper.source import OriginalSurface, original_surface
 from auricle.study.paper.surfaces import kept_surfaces
+from auricle.study.paper.thinned_features import thinned_records
 from auricle.study.provenance import versions
 from auricle.surface.capping import cap_holes
 from auricle.surface.distance import geometric_distance
@@ -64,7 +71,8 @@ def run_case(
 
     Surface → Qslim → harmonics → spectra of x, y and z, error of the surface rebuilt from
     harmonics and of the one thinned out, τ, focal maps at many places, harmonics for shares of
-    their power; further widths and classes of maps; the conventions of the paper's numbers. Holes
+    their power, Qslim with the map in the fourth component; further widths and classes of maps;
+    the conventions of the paper's numbers. Holes
     are closed by caps first: harmonics, both rebuilt surfaces and their errors are of the closed
     surface, as the paper's are; foci are placed on the real part of it.
 
@@ -98,7 +106,7 @@ def run_case(
         )
     stage = Stage(stage_surface, capped, basis)
     with clock.stage("reconstruction"):
-        rebuilt = _rebuilt(stage, (*parameters.coefficient_counts, *parameters.pictured_counts))
+        rebuilt = _rebuilt(stage, parameters)
         measured = {
             count: mesh for count, mesh in rebuilt.items() if count in parameters.coefficient_counts
         }
@@ -114,10 +122,13 @@ def run_case(
         widest = max((*parameters.focus_widths_mm, *parameters.curve_widths_mm), default=1.0)
         foci = marched_foci(stage, places, widest_mm=widest)
         features = feature_records(stage, foci, parameters)
+    with clock.stage("qslim of features"):
+        thinned = thinned_records(stage, foci, sequence, parameters)
     with clock.stage("further maps"):
         beyond: dict[str, Any] = {
             "width_curve": width_curve(stage, foci, parameters),
             "classes": class_records(stage, parameters),
+            "recovered": recovered(stage, rebuilt, foci, parameters),
         }
     with clock.stage("resolution"):
         beyond["resolution"] = [
@@ -149,6 +160,7 @@ def run_case(
         "decay": fitted,
         "power_laws": power_laws(quality),
         "features": features,
+        "thinned_features": thinned,
         "beyond": beyond,
         "conventions": conventions,
         "surfaces": surfaces,
@@ -213,14 +225,19 @@ def _geometry(stage: Stage, parameters: PaperParameters) -> dict[str, Any]:
     }
 
 
-def _rebuilt(stage: Stage, counts: tuple[int, ...]) -> dict[int, Mesh]:
+def _rebuilt(stage: Stage, parameters: PaperParameters) -> dict[int, Mesh]:
     """The closed surface rebuilt from the first harmonics, by their number."""
     basis, closed = stage.basis, stage.capped.mesh
+    counts = {
+        *parameters.coefficient_counts,
+        *parameters.pictured_counts,
+        *parameters.recovered_counts,
+    }
     centre = closed.vertices.mean(axis=0)
     coefficients = basis.transform(closed.vertices - centre)
     return {
         count: Mesh(basis.inverse(coefficients[:count]) + centre, closed.faces)
-        for count in sorted(set(counts))
+        for count in sorted(counts)
         if count <= basis.n_modes
     }
 

@@ -251,6 +251,7 @@ def _evidence(operator: Operator, sample: ModeSample) -> dict[str, Any]:
         "operator": operator.name,
         "dual_cell": operator.dual_cell,
         "weights": operator.pair.kind,
+        "n_negative": operator.n_negative,
         "n_lowest": sample.n_lowest,
         "n_probed": len(sample.rows) - sample.n_lowest,
         "certificate": sample.evidence,

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from auricle.study.paper.printed import DECAYS
+from auricle.study.paper.tables import READING_WORDS
 
 METHODS = ("mha", "qslim")
 LEAST_SHARE = 0.5
@@ -53,7 +54,8 @@ class DecayReading:
     def label(self) -> str:
         """In a few words."""
         floor = "with a floor" if self.with_floor else "without a floor"
-        return f"{self.error}, counts {self.counts}, {floor}, {self.operator.replace('_', ' ')}"
+        words, operator = READING_WORDS[self.error], self.operator.replace("_", " ")
+        return f"{words}; counts {self.counts}, {floor}, {operator}"
 
 
 def decay_readings(documents: Sequence[Mapping[str, Any]]) -> tuple[DecayReading, ...]:

@@ -1,6 +1,6 @@
 """Features: simulated focal maps in a fourth component, and how many harmonics they need."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -145,7 +145,12 @@ def feature_records(
                         )
                         for share in parameters.shares
                     },
-                    "nrmse": _measured(stage, maps, parameters.pictured_counts),
+                    "nrmse": {
+                        f"{count}": float(relative_errors(stage, maps, rebuilt).mean())
+                        for count, rebuilt in rebuilt_maps(
+                            stage.basis, maps, parameters.pictured_counts
+                        ).items()
+                    },
                     "share_by_harmonic": significant(shares),
                 }
             )
@@ -165,16 +170,27 @@ def significant(values: Floats, digits: int = 5) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
 
 
-def _measured(stage: Stage, maps: Floats, counts: Sequence[int]) -> Mapping[str, float]:
+def relative_errors(stage: Stage, maps: Floats, recovered: Floats) -> Floats:
+    """Root mean square error of recovered maps on the real surface over their deviation there.
+
+    Parameters
+    ----------
+    stage
+        The surface.
+    maps, recovered
+        One map a column, shape (n, m); n vertices of the real surface at least, those first.
+
+    Returns
+    -------
+    One number a map, shape (m,), without unit: 1 for a map recovered as its mean.
+    """
     n = stage.surface.n_vertices
     areas = stage.basis.areas[:n]
     weights = areas / areas.sum()
     real = maps[:n]
-    variance = weights @ (real - weights @ real) ** 2
-    return {
-        f"{count}": float(np.sqrt(weights @ (rebuilt[:n] - real) ** 2 / variance).mean())
-        for count, rebuilt in rebuilt_maps(stage.basis, maps, counts).items()
-    }
+    variances = weights @ (real - weights @ real) ** 2
+    errors: Floats = np.sqrt(weights @ (recovered[:n] - real) ** 2 / variances)
+    return errors
 
 
 def modes_holding(spectrum: Spectrum, share: float) -> int | None:

@@ -12,13 +12,17 @@ from scipy import sparse
 
 from auricle.arrays import Floats, PerVertex
 from auricle.errors import SurfaceError
-from auricle.spectral.laplacian import Laplacian, laplacian
+from auricle.spectral.factorization import factorize
+from auricle.spectral.laplacian import Laplacian, intrinsic_delaunay_laplacian, laplacian
 from auricle.surface.mesh import Mesh
 
 OperatorName = Literal["as_printed", "symmetrised"]
 DualCell = Literal["third", "voronoi"]
 OPERATORS: tuple[OperatorName, ...] = get_args(OperatorName)
 DUAL_CELLS: tuple[DualCell, ...] = get_args(DualCell)
+
+_BELOW_ZERO = 1e-3
+"""Depth under zero, in spacings of eigenvalues (Weyl: 4π / area), from which one is negative."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +44,16 @@ class Operator:
     pair
         The eigenproblem in the form the solver takes; times √pair.areas its modes are orthonormal
         without areas.
+    n_negative
+        Negative eigenvalues of Eq. 1 to the letter with cotangent weights, which make it no
+        Laplacian; where there are any, `pair` has intrinsic Delaunay weights instead.
     """
 
     name: OperatorName
     dual_cell: DualCell
     areas: PerVertex
     pair: Laplacian
+    n_negative: int = 0
 
     @property
     def matrix(self) -> sparse.csc_array:
@@ -57,7 +65,10 @@ def operator_of(mesh: Mesh, name: OperatorName, dual_cell: DualCell) -> Operator
     """The operator of that name on `mesh`.
 
     Where triangles are too poor for cotangents the intrinsic Delaunay weights take their place,
-    as everywhere in auricle.
+    as everywhere in auricle; in Eq. 1 as printed also where cotangents leave negative eigenvalues.
+    Where the angles opposite an edge exceed 180° together its weight is negative: the symmetrised
+    operator stays positive semi-definite, the printed one, whose weights are divided by other
+    cells each, need not. Intrinsic Delaunay weights are never negative.
 
     Raises
     ------
@@ -81,10 +92,12 @@ def operator_of(mesh: Mesh, name: OperatorName, dual_cell: DualCell) -> Operator
     if not areas.min() > 0:
         raise SurfaceError("a vertex has no area: remove zero-area faces")
     if name == "symmetrised":
-        pair = Laplacian(sound.stiffness, areas, sound.kind)
-    else:
-        pair = _as_printed(sound, areas)
-    return Operator(name, dual_cell, areas, pair)
+        return Operator(name, dual_cell, areas, Laplacian(sound.stiffness, areas, sound.kind))
+    pair = _as_printed(sound, areas)
+    n_negative = _n_negative(pair)
+    if n_negative:
+        pair = _as_printed(intrinsic_delaunay_laplacian(mesh), areas)
+    return Operator(name, dual_cell, areas, pair, n_negative)
 
 
 def voronoi_areas(mesh: Mesh) -> PerVertex:
@@ -132,6 +145,12 @@ def _as_printed(sound: Laplacian, areas: PerVertex) -> Laplacian:
     mass = float(areas.mean())
     stiffness = cast(sparse.csr_array, sparse.csr_array(matrix) * mass)
     return Laplacian(stiffness, np.full(len(areas), mass), sound.kind)
+
+
+def _n_negative(pair: Laplacian) -> int:
+    """Number of negative eigenvalues, by Sylvester's law of inertia."""
+    spacing = 4 * np.pi / pair.areas.sum()
+    return factorize(_scaled(pair.stiffness, pair.areas), -_BELOW_ZERO * spacing).n_below
 
 
 def _scaled(matrix: sparse.csr_array, areas: Floats) -> sparse.csc_array:

@@ -33,6 +33,12 @@ class PaperParameters:
         Standard deviations of small, medium and wide foci, mm. The paper states none.
     focus_counts
         How many foci at once.
+    feature_counts
+        Numbers of harmonics, and of points left by Qslim with and without the map in its quadric,
+        at which the error of the focal maps is measured.
+    feature_weight_mm
+        How many mm one standard deviation of a map counts for in the quadric. The paper states
+        none.
     placements
         How many times foci of each number are placed anew.
     shares
@@ -45,6 +51,8 @@ class PaperParameters:
         Vertices at which the conventions are compared; 0 leaves them out.
     finer_vertices
         Further numbers of vertices to analyse the surface at, where it has so many.
+    recovered_counts
+        Numbers of harmonics from which the surface is rebuilt to analyse the focal maps on that.
     accept_check
         Whether a segmented CT whose verdict is ``check`` enters the study.
     surfaces_kept
@@ -66,12 +74,15 @@ class PaperParameters:
     pictured_counts: tuple[int, ...] = (50, 250, 500)
     focus_widths_mm: tuple[float, ...] = (4.0, 8.0, 16.0)
     focus_counts: tuple[int, ...] = (1, 2, 3)
+    feature_counts: tuple[int, ...] = (20, 50, 100, 150, 250, 500, 1000)
+    feature_weight_mm: float = 1.0
     placements: int = 20
     shares: tuple[float, ...] = (0.85, 0.90)
     curve_widths_mm: tuple[float, ...] = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0)
     class_draws: int = 5
     convention_vertices: int = 10_000
     finer_vertices: tuple[int, ...] = ()
+    recovered_counts: tuple[int, ...] = (250,)
     accept_check: bool = False
     surfaces_kept: bool = True
     seed: int = 1
@@ -92,6 +103,8 @@ class PaperParameters:
     def _require_foci(self) -> None:
         if self.placements < 1 or self.class_draws < 0 or min(self.focus_counts, default=1) < 1:
             raise InputError("placements and numbers of foci count from 1: correct them")
+        if not self.feature_weight_mm > 0:
+            raise InputError("feature_weight_mm is a positive number of mm: correct it")
         if min((*self.focus_widths_mm, *self.curve_widths_mm), default=1.0) <= 0:
             raise InputError("a focus's width is a positive number of mm: correct it")
         if list(self.focus_widths_mm) != sorted(set(self.focus_widths_mm)):
@@ -134,10 +147,12 @@ class PaperParameters:
             point_counts=(30, 40, 50, 70, 100, 200),
             fitted_counts=(30, 50, 70, 100),
             pictured_counts=(50, 100),
+            feature_counts=(20, 50, 100),
             placements=3,
             curve_widths_mm=(8.0, 16.0),
             class_draws=1,
             convention_vertices=300,
+            recovered_counts=(100,),
         )
         return replace(small, **changed)
 

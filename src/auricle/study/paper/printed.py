@@ -105,6 +105,11 @@ CONTRADICTIONS = (
         "matrix wherever neighbouring dual cells differ.",
     ),
     (
+        "Eq. 1, its diagonal",
+        "With that diagonal the matrix can have negative eigenvalues where the angles opposite an "
+        "edge exceed 180° together and dual cells differ: it is then no Laplacian.",
+    ),
+    (
         "Section 2, projection",
         "a_k = Σ vᵢ Hᵢᵏ has no areas, while the operator has them.",
     ),

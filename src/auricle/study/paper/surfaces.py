@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from auricle.arrays import PerVertex
+from auricle.arrays import Floats, PerVertex
 from auricle.errors import FormatError
 from auricle.study.paper.features import Stage, rebuilt_maps
 from auricle.study.paper.foci import Foci
 from auricle.study.paper.packing import packed, unpacked
 from auricle.study.paper.parameters import PaperParameters
+from auricle.study.paper.thinned_features import thinned_maps
 from auricle.surface.collapse_sequence import CollapseSequence
+from auricle.surface.field import FieldMap
 from auricle.surface.mesh import Mesh
 
 STEP_MM = 0.01
@@ -35,6 +37,9 @@ class PicturedMap:
         On the closed surface, shape (n,).
     rebuilt
         The same from the first harmonics, by their number.
+    thinned
+        Surface and map thinned out by Qslim with the map in the fourth component, by the number
+        of points.
     """
 
     size: str
@@ -42,6 +47,7 @@ class PicturedMap:
     n_foci: int
     values: PerVertex
     rebuilt: Mapping[int, PerVertex]
+    thinned: Mapping[int, FieldMap]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,14 +89,10 @@ def kept_surfaces(
         if sequence.n_least <= count < surface.n_vertices
     ]
     return {
-        "original": _mesh(surface, centre) | {"faces": packed(surface.faces.astype(np.float64))},
+        "original": _whole(surface, centre),
         "mha": {f"{count}": _mesh(rebuilt[count], centre) for count in counts},
-        "qslim": {
-            f"{count}": _mesh(level, centre) | {"faces": packed(level.faces.astype(np.float64))}
-            for count in points
-            for level in [sequence.mesh_at(count)]
-        },
-        "maps": _maps(stage, foci, parameters),
+        "qslim": {f"{count}": _whole(sequence.mesh_at(count), centre) for count in points},
+        "maps": _maps(stage, foci, centre, parameters),
     }
 
 
@@ -119,6 +121,12 @@ def pictured_surfaces(document: Mapping[str, Any]) -> PicturedSurfaces:
                 each["n_foci"],
                 unpacked(each["values"]),
                 {int(count): unpacked(values) for count, values in each["rebuilt"].items()},
+                {
+                    int(count): FieldMap(
+                        _unpacked_mesh(level), unpacked(level["values"]), each["size"]
+                    )
+                    for count, level in each["thinned"].items()
+                },
             )
             for each in document["maps"]
         ),
@@ -132,15 +140,21 @@ def _apart(foci: Foci) -> float:
     return float(foci.distances_mm[0][foci.distances_mm[1].argmin()])
 
 
-def _mesh(mesh: Mesh, centre: np.ndarray) -> dict[str, Any]:
+def _mesh(mesh: Mesh, centre: Floats) -> dict[str, Any]:
     return {"vertices_mm": packed(mesh.vertices - centre, step=STEP_MM)}
+
+
+def _whole(mesh: Mesh, centre: Floats) -> dict[str, Any]:
+    return _mesh(mesh, centre) | {"faces": packed(mesh.faces.astype(np.float64))}
 
 
 def _unpacked_mesh(document: Mapping[str, Any]) -> Mesh:
     return Mesh(unpacked(document["vertices_mm"]), unpacked(document["faces"]).astype(np.int64))
 
 
-def _maps(stage: Stage, foci: Sequence[Foci], parameters: PaperParameters) -> list[dict[str, Any]]:
+def _maps(
+    stage: Stage, foci: Sequence[Foci], centre: Floats, parameters: PaperParameters
+) -> list[dict[str, Any]]:
     """Maps of the paper's Figure 4: as many foci as there, or the nearest number there is."""
     if not parameters.focus_counts or not parameters.focus_widths_mm:
         return []
@@ -159,6 +173,16 @@ def _maps(stage: Stage, foci: Sequence[Foci], parameters: PaperParameters) -> li
             "rebuilt": {
                 f"{count}": packed(values[:, column], step=STEP_OF_MAP)
                 for count, values in rebuilt.items()
+            },
+            "thinned": {
+                f"{count}": _whole(each.mesh, centre)
+                | {"values": packed(each.values, step=STEP_OF_MAP)}
+                for count, each in thinned_maps(
+                    stage,
+                    maps[:, column],
+                    parameters.pictured_counts,
+                    weight_mm=parameters.feature_weight_mm,
+                ).items()
             },
         }
         for column, (size, width) in enumerate(

@@ -24,6 +24,15 @@ READINGS = (
 )
 """The paper's two errors, and how each may be read, the headline's reading first."""
 
+READING_WORDS = {
+    "gd_from_original_mm": "from the original's points to the rebuilt surface",
+    "gd_to_original_mm": "from the rebuilt's points to the original surface",
+    "mse_mm2": "MHA vertex by vertex, Qslim to the nearest point left",
+    "mse_nearest_from_original_mm2": "from the original's points to the nearest rebuilt point",
+    "mse_nearest_to_original_mm2": "from the rebuilt's points to the nearest original point",
+}
+"""The readings in words."""
+
 PRINTED_SHARES = (0.85, 0.90)
 
 
@@ -191,6 +200,11 @@ def counts_of(
     ]
 
 
+def median(counts: Sequence[float] | Floats) -> float:
+    """The median where some numbers may be infinite: of an even number, the greater if one is."""
+    return float(np.quantile(counts, 0.5, method="higher" if np.isinf(counts).any() else "linear"))
+
+
 def _decay_row(
     documents: Sequence[Values], error: str, reading: str, counts: str, floor: bool
 ) -> DecayRow:
@@ -238,12 +252,12 @@ def _count_row(
 ) -> CountRow:
     cases = [[np.inf if count is None else count for count in case] for case in found]
     counts = np.concatenate(cases)
-    medians = [_median(case) for case in cases]
+    medians = [median(case) for case in cases]
     return CountRow(
         n_foci=n_foci,
         size=size,
         share=share,
-        median=_median(counts),
+        median=median(counts),
         low=float(counts.min()),
         high=float(counts.max()),
         n=len(counts),
@@ -252,11 +266,6 @@ def _count_row(
         case_high=max(medians),
         printed=_printed(n_foci, size, share),
     )
-
-
-def _median(counts: Sequence[float] | Floats) -> float:
-    """The median where some numbers may be infinite: of an even number, the greater if one is."""
-    return float(np.quantile(counts, 0.5, method="higher" if np.isinf(counts).any() else "linear"))
 
 
 def _printed(n_foci: int | None, size: str | None, share: float) -> int | None:
