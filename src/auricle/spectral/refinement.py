@@ -23,7 +23,8 @@ _MOST_STEPS, _PARTS = 4, 4
 _ENOUGH = 5e-10
 _CORRECTIONS = 5
 _PROGRESS = 0.5
-"""Share of the largest residual that must be gone for another correction to be worth its time."""
+"""Share of the largest residual that must be gone for another correction to be worth its time, from
+the second on: the first is of another kind."""
 _SIMILAR, _BELOW = 1.1, 0.995
 
 
@@ -144,7 +145,8 @@ def corrected(
         values, residuals = rayleigh_quotients(matrix, rows, workers)
         relative = residuals / np.maximum(values, least)
         poor = np.flatnonzero(relative > _ENOUGH)
-        if not len(poor) or attempt == _CORRECTIONS or relative.max() > _PROGRESS * before:
+        stuck = attempt > 1 and relative.max() > _PROGRESS * before
+        if not len(poor) or attempt == _CORRECTIONS or stuck:
             break
         before = float(relative.max())
         groups = [(-least, poor)]
