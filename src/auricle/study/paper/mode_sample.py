@@ -28,7 +28,7 @@ _HEIGHTS = np.array([0.0, 1.11, 2.04, 3.25, 4.93, 7.1, 10.7, 18.6, 40.0])
 """Eigenvalue times mean dual area against place in the spectrum, as on a simplified atrium: only to
 spread the probes; where each lies is counted."""
 _HIGHEST = 0.97
-_EFFORT = Effort(8, (36,), 1e-10)
+_EFFORT = Effort(4, 50, 50, 1e-10)
 _LEAST = 1e-300
 
 
