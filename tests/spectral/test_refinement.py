@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from auricle.errors import SolverError
 from auricle.spectral.harmonics import LARGEST_RESIDUAL, manifold_harmonics
 from auricle.spectral.refinement import corrected, orthonormalized, overlap, rayleigh_quotients
 from auricle.spectral.workers import Workers
@@ -94,9 +93,6 @@ def test_eight_equal_spheres_have_every_eigenvalue_eight_times() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    raises=SolverError, reason="one draw is refused at a residual of 1.5e-9: still to be solved"
-)
 def test_no_draw_of_mesh_count_and_seed_fails() -> None:
     """A hundred random surfaces: bumps, pieces, specks; solved and certified, every one."""
     rng = np.random.default_rng(7)

@@ -73,7 +73,10 @@ def orthonormal(block: Floats) -> tuple[Floats, Floats]:
         least = np.diag(factor).min()
         if least < _DEPENDENT:
             return _by_householder(block)
-        rows, triangle = (np.linalg.inv(factor) / sizes) @ rows, triangle @ (sizes[:, None] * factor)
+        rows, triangle = (
+            (np.linalg.inv(factor) / sizes) @ rows,
+            triangle @ (sizes[:, None] * factor),
+        )
         if least > _INDEPENDENT:
             break
     return rows, triangle

@@ -8,8 +8,8 @@ written down. They work on any processor: where registers are narrower the compi
 from collections.abc import Callable
 from typing import Any, Final, TypeVar, cast
 
-from llvmlite import ir
 from numba.core import types
+from numba.core.cgutils import ir
 from numba.extending import intrinsic, models, register_model
 
 from auricle.arrays import Floats
@@ -21,7 +21,7 @@ _CONTRACT = ("contract",)
 _NUMBER, _COUNT, _INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 
 
-class Lanes(types.Type):  # type: ignore[misc]
+class Lanes(types.Type):
     """The compiler's type of `count` numbers side by side in a register."""
 
     def __init__(self, count: int) -> None:
@@ -88,9 +88,7 @@ def _load(typing: Any, like: Any, numbers: Any, place: Any) -> Any:
 def _store(typing: Any, lanes: Any, numbers: Any, place: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         address = _address(context, builder, signature.args[1], arguments[1], arguments[2])
-        stored = builder.store(
-            arguments[0], builder.bitcast(address, _vector(lanes).as_pointer())
-        )
+        stored = builder.store(arguments[0], builder.bitcast(address, _vector(lanes).as_pointer()))
         stored.align = 8
         return context.get_dummy_value()
 

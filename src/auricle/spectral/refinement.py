@@ -53,8 +53,9 @@ def orthonormalized(rows: Floats, workers: Workers) -> Floats:
 def _step(rows: Floats, correction: Floats, workers: Workers) -> Floats:
     """Rows less what the triangular `correction` takes of those before and after."""
     stepped = np.empty_like(rows)
-    precision = np.float32 if np.abs(correction).max() < _SINGLE else np.float64
-    sources, factors = rows.astype(precision, copy=False), correction.astype(precision, copy=False)
+    sources, factors = rows, correction
+    if np.abs(correction).max() < _SINGLE:
+        sources, factors = rows.astype(np.float32), correction.astype(np.float32)
 
     def fill(some: slice) -> None:
         np.subtract(rows[some], factors[some] @ sources, out=stepped[some])

@@ -6,7 +6,7 @@ searched for again. ARPACK alone loses copies of repeated eigenvalues without a 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,14 +14,11 @@ from scipy import sparse
 
 from auricle.arrays import Floats
 from auricle.errors import SolverError
-from auricle.spectral.factorization import (
-    ShiftedFactorization,
-    SymbolicFactorization,
-    analyze,
-    factorize,
-)
+from auricle.spectral.factorization import ShiftedFactorization, SymbolicFactorization, analyze
+from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
+from auricle.spectral.shifts import AT_ONCE, Factorable, next_shifts
 from auricle.spectral.workers import Workers
 
 _BLOCK, _SEARCH_BLOCK, _WIDEST_BLOCK = 4, 8, 32
@@ -33,65 +30,15 @@ _BLOCKS_UNTIL_FIRST = 15
 """Blocks before the first pair converges; each further one takes `VECTORS_PER_PAIR` vectors."""
 _MOST_VECTORS = 800
 _SEARCH_STEPS = 40
-_REACH, _REACH_VERTICES = 40, 10_000
-"""Eigenvalues a run is to find each way from its shift, and for a surface of how many vertices.
-
-Factors cost more than vectors on larger ones, so that runs are worth being longer there.
-"""
-_AT_ONCE = 2
 _MARGIN = 4
 _TOLERANCE = 1e-11
-_AGREEMENT = 1e-8
 _TOO_NEAR, _AROUND = 0.03, 8
 """Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them
 around it show the gap it moves to."""
-_STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4)
-"""Backward error of solves that need no refinement, and where else to try, in mean spacings."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
 _LIKELY_VECTORS, _COPIES = 400, 4
 """For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
-
-
-@dataclass(eq=False)
-class _Ladder:
-    """Eigenpairs found so far, ascending, with what was retried on the way.
-
-    Every eigenvalue under `certified` is on the ladder; above it some may still be missing.
-    """
-
-    values: Floats
-    vectors: list[Floats]
-    certified: float
-    n_certified: int = 0
-    retries: list[str] = field(default_factory=list)
-
-    def add(self, values: Floats, vectors: Floats) -> None:
-        """Take in new pairs, one a row of `vectors`."""
-        together = np.concatenate([self.values, values])
-        rows = [*self.vectors, *vectors]
-        order = np.argsort(together, kind="stable")
-        self.values = together[order]
-        self.vectors = [rows[i] for i in order]
-
-    def replace_above(self, kept: int, run: LanczosRun, first: int) -> None:
-        """Keep `kept` pairs above the certified ones, then go on with the run's from `first`."""
-        height = self.n_certified + kept
-        self.values = np.concatenate([self.values[:height], run.values[first:]])
-        self.vectors = [*self.vectors[:height], *run.vectors(first)]
-
-    def certify(self, factors: ShiftedFactorization) -> None:
-        """Note that every eigenvalue under the shift is on the ladder."""
-        self.certified, self.n_certified = factors.shift, factors.n_below
-
-    def from_value(self, low: float, n: int) -> Floats:
-        """Eigenvectors with eigenvalues from `low` up, one a row, shape (c, n)."""
-        rows = self.vectors[int(np.searchsorted(self.values, low)) :]
-        return np.stack(rows) if rows else np.empty((0, n))
-
-    def n_below(self, value: float) -> int:
-        """How many eigenvalues on the ladder lie below `value`."""
-        return int(np.searchsorted(self.values, value))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,14 +101,14 @@ def lowest_eigenpairs(
     require_memory(
         needed_bytes(symbolic, count), f"{count} harmonics of {len(matrix.indptr) - 1} vertices"
     )
-    ladder = _Ladder(np.empty(0), [], certified=-1 / density)
+    factorable = Factorable(matrix, symbolic)
+    ladder = Ladder(np.empty(0), [], certified=-1 / density)
     workers.report("harmonics", 0, count)
     while ladder.n_certified <= count:
-        shifts = _next_shifts(matrix, symbolic, ladder, count=count, density=density)
+        shifts = next_shifts(factorable, ladder, count=count, density=density, workers=workers)
         found, width = shifts[-1].n_below - ladder.n_certified, shifts[-1].shift - ladder.certified
         density = max(found, 1) / width
-        move = partial(factorize, matrix, symbolic=symbolic)
-        _climb(shifts, ladder, move, rng=rng, workers=workers)
+        _climb(shifts, ladder, factorable.at, rng=rng, workers=workers)
         workers.report("harmonics", min(ladder.n_certified, count), count)
     vectors = np.stack(ladder.vectors[: ladder.n_certified])
     values = ladder.values[: ladder.n_certified]
@@ -171,80 +118,13 @@ def lowest_eigenpairs(
 def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
     """Memory that the search takes at its highest, with what is made of its result."""
     n = len(symbolic.plan.order)
-    runs = _AT_ONCE * (symbolic.n_bytes + 8 * n * _LIKELY_VECTORS)
+    runs = AT_ONCE * (symbolic.n_bytes + 8 * n * _LIKELY_VECTORS)
     return runs + 8 * count * (_COPIES * n + 2 * count)
-
-
-def _next_shifts(
-    matrix: sparse.csc_array,
-    symbolic: SymbolicFactorization,
-    ladder: _Ladder,
-    *,
-    count: int,
-    density: float,
-) -> tuple[ShiftedFactorization, ...]:
-    """The next shifts up, to be searched around at one time; the last of all only just beyond."""
-    known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
-    reach = _reach(matrix.shape[0])
-    shifts: list[ShiftedFactorization] = []
-    while len(shifts) < _AT_ONCE and n_low <= count:
-        highest = min(count + 3, known + reach)
-        factors = _next_shift(
-            matrix, symbolic, (low, n_low, known), highest=highest, density=density
-        )
-        shifts.append(factors)
-        density = max(factors.n_below - n_low, 1) / (factors.shift - low)
-        low, n_low, known = factors.shift, factors.n_below, factors.n_below + reach
-    return tuple(shifts)
-
-
-def _steady(
-    matrix: sparse.csc_array, symbolic: SymbolicFactorization, shift: float, density: float
-) -> ShiftedFactorization:
-    """Factors at a shift or just beside it, where solves are right without refinement.
-
-    How much is lost to poor pivots changes from one shift to the next, by a hundred times.
-    """
-    tried: list[ShiftedFactorization] = []
-    for aside in _ASIDE:
-        tried.append(factorize(matrix, shift + aside / density, symbolic=symbolic))
-        if tried[-1].backward_error <= _STEADY:
-            return tried[-1]
-    return min(tried, key=lambda factors: factors.backward_error)
-
-
-def _reach(n_vertices: int) -> int:
-    return round(_REACH * max(1.0, n_vertices / _REACH_VERTICES) ** 0.25)
-
-
-def _next_shift(
-    matrix: sparse.csc_array,
-    symbolic: SymbolicFactorization,
-    height: tuple[float, int, int],
-    *,
-    highest: int,
-    density: float,
-) -> ShiftedFactorization:
-    """The next shift up: half a slice above what is known, and not many more than that.
-
-    `height` is the shift below, the number of eigenvalues under it, and of those known; `highest`
-    the number of eigenvalues that are to lie below.
-    """
-    low, n_low, known = height
-    step = max(highest - n_low, 3) / density
-    factors = _steady(matrix, symbolic, low + step, density)
-    while factors.n_below - known > 2 * _reach(matrix.shape[0]):
-        step /= 2
-        nearer = _steady(matrix, symbolic, low + step, density)
-        if nearer.n_below <= known:
-            break  # a cluster wider than a slice: climb it whole
-        factors = nearer
-    return factors
 
 
 def _climb(
     shifts: Sequence[ShiftedFactorization],
-    ladder: _Ladder,
+    ladder: Ladder,
     move: Callable[[float], ShiftedFactorization],
     *,
     rng: np.random.Generator,
@@ -272,11 +152,11 @@ def _climb(
         run = workers.result(submitted)
         factors = run.factors
         workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
-        junction = _junction(ladder, run.values, factors)
-        if junction is None:
+        joint = junction(ladder, run.values, factors)
+        if joint is None:
             _search(factors, ladder, rng=rng, workers=workers)
         else:
-            ladder.replace_above(junction[0], run, junction[1])
+            ladder.replace_above(joint[0], run, joint[1])
         ladder.certify(factors)
 
 
@@ -317,7 +197,7 @@ def _better_shift(run: LanczosRun) -> float | None:
 
 
 def _lacks(
-    ladder: _Ladder, factors: ShiftedFactorization, *, n_below: int, n_above: int, first: bool
+    ladder: Ladder, factors: ShiftedFactorization, *, n_below: int, n_above: int, first: bool
 ) -> Callable[[Floats], int]:
     """How much a run lacks of what lies next to its shift: all below, or half of it each way.
 
@@ -338,44 +218,17 @@ def _lacks(
     return missing
 
 
-def _joins(ladder: _Ladder, factors: ShiftedFactorization, values: Floats) -> bool:
-    return _junction(ladder, values, factors) is not None
+def _joins(ladder: Ladder, factors: ShiftedFactorization, values: Floats) -> bool:
+    return junction(ladder, values, factors) is not None
 
 
-def _gap_left(ladder: _Ladder, factors: ShiftedFactorization, values: Floats) -> int:
+def _gap_left(ladder: Ladder, factors: ShiftedFactorization, values: Floats) -> int:
     return 0 if _joins(ladder, factors, values) else _MARGIN
-
-
-def _junction(
-    ladder: _Ladder, values: Floats, factors: ShiftedFactorization
-) -> tuple[int, int] | None:
-    """Where what two neighbouring shifts found between them joins, if together it is complete.
-
-    Far from its shift a run finds some eigenvalues and misses others. Up to a gap the lower
-    shift's pairs are taken and from there on the upper shift's; if their number is what inertia
-    says, none is missing. Of several such gaps the widest is taken.
-
-    Returns
-    -------
-    How many of the ladder's pairs above the certified ones to keep, and the index in `values` to
-    go on from; None if something is missing.
-    """
-    low = np.concatenate([[ladder.certified], ladder.values[ladder.n_certified :]])
-    close = _AGREEMENT * (factors.shift - ladder.certified)
-    end = int(np.searchsorted(values, factors.shift))
-    following = np.searchsorted(values, low + close)
-    complete = np.arange(len(low)) + end - following == factors.n_below - ladder.n_certified
-    gaps = np.append(values[:end], factors.shift)[np.minimum(following, end)] - low
-    complete &= gaps > close
-    if not complete.any():
-        return None
-    kept = int(np.argmax(np.where(complete, gaps, -np.inf)))
-    return kept, int(following[kept])
 
 
 def _search(
     factors: ShiftedFactorization,
-    ladder: _Ladder,
+    ladder: Ladder,
     *,
     rng: np.random.Generator,
     workers: Workers,

@@ -1,0 +1,80 @@
+"""Eigenpairs found so far along a spectrum, and where a run's join them with none missing."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from auricle.arrays import Floats
+from auricle.spectral.factorization import ShiftedFactorization
+from auricle.spectral.lanczos import LanczosRun
+
+_AGREEMENT = 1e-8
+"""Share of a slice within which two runs' eigenvalues are the same."""
+
+
+@dataclass(eq=False)
+class Ladder:
+    """Eigenpairs found so far, ascending, with what was retried on the way.
+
+    Every eigenvalue under `certified` is on the ladder; above it some may still be missing.
+    """
+
+    values: Floats
+    vectors: list[Floats]
+    certified: float
+    n_certified: int = 0
+    retries: list[str] = field(default_factory=list)
+
+    def add(self, values: Floats, vectors: Floats) -> None:
+        """Take in new pairs, one a row of `vectors`."""
+        together = np.concatenate([self.values, values])
+        rows = [*self.vectors, *vectors]
+        order = np.argsort(together, kind="stable")
+        self.values = together[order]
+        self.vectors = [rows[i] for i in order]
+
+    def replace_above(self, kept: int, run: LanczosRun, first: int) -> None:
+        """Keep `kept` pairs above the certified ones, then go on with the run's from `first`."""
+        height = self.n_certified + kept
+        self.values = np.concatenate([self.values[:height], run.values[first:]])
+        self.vectors = [*self.vectors[:height], *run.vectors(first)]
+
+    def certify(self, factors: ShiftedFactorization) -> None:
+        """Note that every eigenvalue under the shift is on the ladder."""
+        self.certified, self.n_certified = factors.shift, factors.n_below
+
+    def from_value(self, low: float, n: int) -> Floats:
+        """Eigenvectors with eigenvalues from `low` up, one a row, shape (c, n)."""
+        rows = self.vectors[int(np.searchsorted(self.values, low)) :]
+        return np.stack(rows) if rows else np.empty((0, n))
+
+    def n_below(self, value: float) -> int:
+        """How many eigenvalues on the ladder lie below `value`."""
+        return int(np.searchsorted(self.values, value))
+
+
+def junction(
+    ladder: Ladder, values: Floats, factors: ShiftedFactorization
+) -> tuple[int, int] | None:
+    """Where what two neighbouring shifts found between them joins, if together it is complete.
+
+    Far from its shift a run finds some eigenvalues and misses others. Up to a gap the lower
+    shift's pairs are taken and from there on the upper shift's; if their number is what inertia
+    says, none is missing. Of several such gaps the widest is taken.
+
+    Returns
+    -------
+    How many of the ladder's pairs above the certified ones to keep, and the index in `values` to
+    go on from; None if something is missing.
+    """
+    low = np.concatenate([[ladder.certified], ladder.values[ladder.n_certified :]])
+    close = _AGREEMENT * (factors.shift - ladder.certified)
+    end = int(np.searchsorted(values, factors.shift))
+    following = np.searchsorted(values, low + close)
+    complete = np.arange(len(low)) + end - following == factors.n_below - ladder.n_certified
+    gaps = np.append(values[:end], factors.shift)[np.minimum(following, end)] - low
+    complete &= gaps > close
+    if not complete.any():
+        return None
+    kept = int(np.argmax(np.where(complete, gaps, -np.inf)))
+    return kept, int(following[kept])

@@ -1,0 +1,51 @@
+"""Block Lanczos runs: orthogonal where rounding would undo it, and found by number."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from auricle.spectral import lanczos
+from auricle.spectral.factorization import factorize
+from auricle.spectral.lanczos import Effort, LanczosRun
+
+
+def run_near(place: float, rng: np.random.Generator) -> LanczosRun:
+    """A spectrum 0, 1, …, 1999 searched around a shift."""
+    matrix = sparse.csc_array(sparse.diags_array(np.arange(2000.0)))
+    nothing = np.empty((0, 2000))
+    effort = Effort(4, 60, 60, 1e-11)
+    return LanczosRun(
+        factorize(matrix, place), nothing, effort=effort, rng=rng, pause=lambda: None
+    ).until()
+
+
+@pytest.mark.parametrize("aside", [0.5, 0.04, 0.001])
+def test_vectors_stay_orthonormal_also_where_an_eigenvalue_lies_next_to_the_shift(
+    rng, aside
+) -> None:
+    run = run_near(700 + aside, rng)
+    vectors = run.vectors()
+    np.testing.assert_allclose(vectors @ vectors.T, np.eye(len(vectors)), atol=1e-9)
+    # Nothing missed near the shift and nothing found twice.
+    near = run.values[np.abs(run.values - 700) < 30.5]
+    np.testing.assert_allclose(near, np.arange(670.0, 731.0), atol=1e-9)
+
+
+def test_the_whole_basis_is_looked_at_only_when_rounding_asks_for_it(rng, monkeypatch) -> None:
+    sizes = []
+
+    def counted(basis, block):
+        sizes.append(len(basis))
+        return lanczos_orthogonalize(basis, block)
+
+    lanczos_orthogonalize = lanczos.orthogonalize
+    monkeypatch.setattr(lanczos, "orthogonalize", counted)
+    run_near(700.5, rng)
+    n_whole = sum(size > 8 for size in sizes)
+    assert 15 < n_whole < 50  # of sixty blocks; one that looks at none finds eigenvalues twice
+
+
+def test_never_looking_at_the_whole_basis_finds_eigenvalues_twice(rng, monkeypatch) -> None:
+    """What the rule is for: without it the truths above fail."""
+    monkeypatch.setattr(lanczos, "_MOST_LOST", np.inf)
+    assert np.diff(run_near(700.04, rng).values).min() < 0.5

@@ -1,0 +1,52 @@
+"""Arithmetic in registers is arithmetic, number by number."""
+
+import numpy as np
+import pytest
+
+from auricle.arrays import Floats
+from auricle.compiled import compiled
+from auricle.spectral.lanes import (
+    Lanes,
+    added,
+    added_multiple,
+    added_product,
+    eight,
+    four,
+    load,
+    store,
+    subtracted,
+    total,
+    width,
+)
+
+
+@compiled
+def in_four(numbers: Floats, others: Floats, results: Floats) -> int:
+    return every_operation(four(0.5), numbers, others, results)
+
+
+@compiled
+def in_eight(numbers: Floats, others: Floats, results: Floats) -> int:
+    return every_operation(eight(0.5), numbers, others, results)
+
+
+@compiled
+def every_operation(half: Lanes, numbers: Floats, others: Floats, results: Floats) -> int:
+    x, y, n = load(half, numbers, 1), load(half, others, 2), width(half)
+    store(added(x, y), results, 0)
+    store(subtracted(x, y), results, n)
+    store(added_product(half, x, y), results, 2 * n)
+    store(added_multiple(half, numbers, 3, y), results, 3 * n)
+    results[4 * n] = total(x)
+    return n
+
+
+@pytest.mark.parametrize("operations", [in_four, in_eight])
+def test_each_operation_is_numpys_number_by_number(rng, operations) -> None:
+    numbers, others = rng.standard_normal((2, 20))
+    results = np.zeros(40)
+    n = operations(numbers, others, results)
+    x, y = numbers[1 : 1 + n], others[2 : 2 + n]
+    expected = [*(x + y), *(x - y), *(0.5 + x * y), *(0.5 + numbers[3] * y), x.sum()]
+    np.testing.assert_allclose(results[: 4 * n + 1], expected, rtol=1e-14, atol=1e-15)
+    assert n == {in_four: 4, in_eight: 8}[operations]
