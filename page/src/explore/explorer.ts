@@ -68,6 +68,7 @@ export class Explorer {
     const next = Math.min(Math.max(Math.round(count), 1), this.surface.nModes);
     this.state.count = next;
     this.panel.setCount(next);
+    this.stage.moving();
     this.update();
   }
 

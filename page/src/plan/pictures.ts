@@ -5,7 +5,7 @@ import { h } from "../dom";
 import type { Pane } from "../scene/pane";
 import { Stage, type PickedInPane } from "../scene/stage";
 import type { SurfaceCase } from "../surfacecase";
-import type { Live } from "./live";
+import type { Live, LiveState } from "./live";
 import type { Truth } from "./values";
 
 export type Beside = "uncertainty" | "wavelength" | "error" | "truth" | "none";
@@ -41,6 +41,7 @@ export class Pictures {
   private readonly secondBar = new ColourBar();
   private mapScale: ColourScale | null = null;
   private scaledFor = "";
+  private shownState: LiveState | null = null;
 
   constructor(
     private readonly surface: SurfaceCase,
@@ -58,6 +59,8 @@ export class Pictures {
   show(live: Live, shown: Shown): void {
     this.beside(shown.beside !== "none");
     const { state } = live;
+    if (state !== this.shownState) this.stage.moving();
+    this.shownState = state;
     const map = state?.mean ?? null;
     const scale = map && state ? this.scale(map, state.values, state.cycle_length_ms, shown) : null;
     const unit = state?.unit ?? "";
@@ -71,7 +74,6 @@ export class Pictures {
       const next = state && shown.showNext ? Float32Array.from(state.next) : new Float32Array(0);
       pane.setPoints("next", { positions: next, colours: NEXT, size: 13 });
     }
-    this.stage.draw();
   }
 
   dispose(): void {
@@ -119,7 +121,8 @@ export class Pictures {
     if (!this.mapScale || this.scaledFor !== key)
       this.mapScale = this.ownScale(shown.truth?.values ?? Float32Array.from([...samples, ...range(map)]), shown.palette);
     this.scaledFor = key;
-    return (this.mapScale = { ...this.mapScale, palette: shown.palette });
+    if (this.mapScale.palette !== shown.palette) this.mapScale = { ...this.mapScale, palette: shown.palette };
+    return this.mapScale;
   }
 
   private ownScale(values: Float32Array, palette: PaletteName): ColourScale {
