@@ -43,7 +43,7 @@ interface SavedPlan {
 export class Planner {
   readonly live: Live;
   readonly pictures: Pictures;
-  /** Milliseconds from the last click to the map drawn. */
+  /** Milliseconds from the last click to the pixels of the map being there. */
   lastClickMs = NaN;
   private plan: Planned | null = null;
   private readonly wanted: Wanted;
@@ -234,11 +234,10 @@ export class Planner {
   private async clicked(place: PickedInPane): Promise<void> {
     const { faces } = this.surface;
     const corners = [0, 1, 2].map((corner) => faces[3 * place.face + corner]);
-    const begun = performance.now();
     await this.takeAt(place.position, corners, place.weights);
     await new Promise(requestAnimationFrame);
     this.pictures.stage.finish();
-    this.lastClickMs = performance.now() - begun;
+    this.lastClickMs = performance.now() - place.time;
   }
 
   private async takeAt(position: readonly number[], corners: readonly number[], weights: readonly number[]): Promise<void> {

@@ -23,6 +23,8 @@ export interface PickedInPane extends Picked {
   readonly pane: Pane;
   /** Keys held while clicking. */
   readonly shiftKey: boolean;
+  /** When it was clicked, in milliseconds of `performance.now()`. */
+  readonly time: number;
 }
 
 export interface Cut {
@@ -93,10 +95,10 @@ export class Stage {
         this.draw();
       },
       clicked: (x, y, event) => {
-        const place = this.picked && this.placeAt(x, y, event.shiftKey);
+        const place = this.picked && this.placeAt(x, y, event);
         if (place) this.picked?.(place);
       },
-      hovered: (at) => this.hovered?.(at && this.placeAt(at.x, at.y, false), at?.x ?? 0, at?.y ?? 0),
+      hovered: (at) => this.hovered?.(at && this.placeAt(at.x, at.y), at?.x ?? 0, at?.y ?? 0),
     });
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.element);
@@ -312,7 +314,7 @@ export class Stage {
     return new Vector4(normal[0], normal[1], normal[2], sign * this.cut.at);
   }
 
-  private placeAt(x: number, y: number, shiftKey: boolean): PickedInPane | null {
+  private placeAt(x: number, y: number, event?: PointerEvent): PickedInPane | null {
     const boxes = this.boxes();
     const place = boxes.findIndex(
       (box) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height,
@@ -328,6 +330,6 @@ export class Stage {
       { x: (2 * (x - box.left)) / box.width - 1, y: 1 - (2 * (y - box.top)) / box.height },
       (px, py, pz) => plane.x * px + plane.y * py + plane.z * pz <= plane.w,
     );
-    return found && { ...found, pane, shiftKey };
+    return found && { ...found, pane, shiftKey: event?.shiftKey ?? false, time: event?.timeStamp ?? performance.now() };
   }
 }
