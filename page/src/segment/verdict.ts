@@ -57,7 +57,7 @@ export class VerdictPanel {
     if (document) fill(this.chip, h("strong", {}, document.verdict), `: ${WORDS[document.verdict]}`);
     fill(this.reasons, ...(document?.reasons ?? []).map((reason) => this.reason(reason)));
     this.looked.checked = false;
-    this.looking.hidden = document?.preview !== false || document.verdict !== "check";
+    this.looking.hidden = document?.sketch !== false || document.verdict !== "check";
   }
 
   private reason(reason: Reason): HTMLElement {
