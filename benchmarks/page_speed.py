@@ -239,11 +239,11 @@ def slider_section(page: Page, bundle: bytes, n_modes: int, n_steps: int) -> tup
 
 
 @contextmanager
-def served(case: OpenCase) -> Iterator[str]:
-    """The address of a page that shows the case, served by a thread of this process."""
+def served(name: str, *parts: object) -> Iterator[str]:
+    """The address of a page that shows what is open, served by a thread of this process."""
     with tempfile.TemporaryDirectory() as folder:
         workspace = Workspace(Path(folder))
-        workspace.open(case.name, [case])
+        workspace.open(name, parts)
         listener = socket.create_server(("127.0.0.1", 0))
         port = int(listener.getsockname()[1])
         app = application(workspace, token="once", port=port)
@@ -260,7 +260,7 @@ def point_section(page: Page, case: PreparedSurface, n_clicks: int) -> tuple[str
     rng = np.random.default_rng(2)
     field, vertices = case.fields[0], case.surface.vertices
     rows, slowest = [], 0.0
-    with served(OpenCase("lobed sphere", case)) as address:
+    with served("lobed sphere", OpenCase("lobed sphere", case)) as address:
         page.goto(address)
         page.wait_for_selector("html[data-ready=true]", timeout=300_000)
         page.get_by_role("button", name="Plan and map").click()

@@ -16,6 +16,8 @@ import { deviations, Rebuilt, rootMeanSquare } from "./rebuild";
 import { savePicture, saveSpectrum, saveVertices } from "./saving";
 import { checkedState, defaultScale, initialState, type ExploreState, type Picture, type SavedExplore } from "./state";
 
+const ABOUT = "Shape and map rebuilt from the k coarsest waves, and from k points";
+
 export class Explorer {
   readonly stage: Stage;
   state: ExploreState;
@@ -49,7 +51,7 @@ export class Explorer {
       saveVertices: () => this.saveVertices(),
       saveSpectrum: () => saveSpectrum(surface),
     });
-    const views = new ViewBar(surface.space, (name) => this.stage.look(name), () => {
+    const views = new ViewBar(surface.space, ABOUT, (name) => this.stage.look(name), () => {
       this.stage.orbit.reset();
       this.stage.draw();
     });

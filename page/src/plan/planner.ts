@@ -24,6 +24,8 @@ import { Wanted, type Choices, type SavedWanted } from "./wanted";
 
 const PALETTES: readonly PaletteName[] = ["viridis", "cividis", "classic"];
 
+const ABOUT = "The map the samples give, and how sure it is: click to take one";
+
 interface Planned {
   readonly document: PlanDocument;
   readonly positions: Float32Array;
@@ -198,7 +200,7 @@ export class Planner {
         ),
       ),
     );
-    const views = new ViewBar(this.surface.space, (name) => this.pictures.stage.look(name), () => {
+    const views = new ViewBar(this.surface.space, ABOUT, (name) => this.pictures.stage.look(name), () => {
       this.pictures.stage.orbit.reset();
       this.pictures.stage.draw();
     });

@@ -13,6 +13,7 @@ import { SlicePlane } from "./plane";
 import type { Look, Scene } from "./state";
 import { Tool, TOOLS } from "./tools";
 import { Trials, type Trial } from "./trials";
+import { colourOf } from "./verdict";
 
 /** As the server describes the CT. */
 export interface VolumeInfo {
@@ -30,8 +31,6 @@ export interface VolumeInfo {
   readonly accepted: boolean;
 }
 
-const PREVIEW: Vec3 = [255, 210, 63];
-const SKETCH: Vec3 = [92, 184, 209];
 /** Half the sides of the box about the seed whose histogram is shown where no region is, mm. */
 const AROUND: Vec3 = [75, 60, 65];
 
@@ -182,7 +181,7 @@ class SegmentView implements MountedView {
 
   private overlay(shown: Trial | null): Overlay | null {
     if (!shown?.mask || !this.controls.overlays) return null;
-    return { mask: shown.mask, colour: shown.document.sketch ? SKETCH : PREVIEW };
+    return { mask: shown.mask, colour: colourOf(shown.document) };
   }
 
   private edited(): void {
