@@ -66,15 +66,15 @@ def test_a_folder_is_dropped_and_one_of_its_maps_chosen(
     choice = opened_maps(browsing)
     offered = choice.locator("option").all_inner_texts()
     assert [each.rpartition(", ")[2] for each in offered] == ["20 points", "31 points"]
-    assert choice.input_value() == "1"
-    assert server.workspace.require(OpenCase, "none").recordings[0].samples.values.size <= 20
-    choice.select_option("2")
-    browsing.until("document.querySelector('.map-choice select').value === '2'")
-    browsing.until("document.querySelector('dialog.working') === null")
+    assert choice.input_value() == "2", "that of most points comes first"
     assert server.workspace.require(OpenCase, "none").recordings[0].samples.values.size > 20
+    choice.select_option("1")
     page.get_by_role("button", name="Plan and map").click()
+    browsing.until("document.querySelector('dialog.working') === null")
     page.wait_for_selector(".view-plan[data-ready=true]")
-    assert "31 points" in page.get_by_label("Recorded").inner_text()
+    browsing.until("document.querySelector('.map-choice select').value === '1'")
+    assert server.workspace.require(OpenCase, "none").recordings[0].samples.values.size <= 20
+    assert "20 points" in page.get_by_label("Recorded").inner_text()
     assert browsing.violations() == []
     for canary in ("CANARY", "ANNA"):
         assert canary not in page.content() + page.title()

@@ -209,7 +209,7 @@ def _volume(path: Path, _detail: Detail, progress: Progress) -> Opened:
 
 
 def _export(path: Path, detail: Detail, progress: Progress) -> Opened:
-    """A vendor's export: the first map that has a surface, and the others to choose from."""
+    """A vendor's export: of the maps with a surface that of most points; others to choose from."""
     progress("read export", 0, 1)
     study = read_export(path, signals=False)
     source = export_source(path, study.system)
@@ -217,7 +217,8 @@ def _export(path: Path, detail: Detail, progress: Progress) -> Opened:
     numbers = [number for number, one in enumerate(study.maps, start=1) if opens(one)]
     if not numbers:
         raise InputError("no map of this export has a surface: export one with its mesh")
-    parts = chosen_map(study, source, numbers[0], detail, progress=progress)
+    fullest = max(numbers, key=lambda number: len(study.maps[number - 1].points))
+    parts = chosen_map(study, source, fullest, detail, progress=progress)
     return Opened(source.name, parts)
 
 
