@@ -203,7 +203,12 @@ def test_tables_hold_what_is_seen(exported, lobed):
     assert float(spectrum[19]["geometry_rms_error_mm"]) == pytest.approx(lobed.rms(20), rel=1e-3)
     with exported.expect_download() as saved:
         exported.get_by_role("button", name="Picture (PNG)").click()
-    assert Path(saved.value.path()).read_bytes().startswith(b"\x89PNG")
+    content = Path(saved.value.path()).read_bytes()
+    assert content.startswith(b"\x89PNG")
+    left = exported.locator(".colour-bar").first.bounding_box()["x"]
+    stage = exported.locator(".stage").bounding_box()
+    width = int.from_bytes(content[16:20], "big")
+    assert width == round(stage["x"] + stage["width"] - left), "the colour bar is in the picture"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

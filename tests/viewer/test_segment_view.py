@@ -194,6 +194,10 @@ def test_a_result_is_accepted_once_looked_at_and_opens_as_a_surface(page, sessio
     assert volume_ml(page) == pytest.approx(
         session.trial(SegmentationConfig()).found.volume_ml, abs=0.06
     )
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Picture (PNG)").click()
+    assert saved.value.suggested_filename == "slices.png"
+    assert saved.value.path().read_bytes().startswith(b"\x89PNG")
     accept.click()
     page.wait_for_selector("nav button[aria-current=page]:text-is('Explore')")
     page.locator("nav button:text-is('Segment')").click()

@@ -20,6 +20,7 @@ export interface Actions {
   zoom(factor: number): void;
   whole(): void;
   accept(): void;
+  savePicture(): void;
 }
 
 const FILES = [
@@ -216,6 +217,7 @@ export class Controls {
           button("+", () => this.actions.zoom(1.25), { kind: "small", title: "Closer" }),
           button("−", () => this.actions.zoom(0.8), { kind: "small", title: "Farther" }),
           button("Whole", () => this.actions.whole(), { kind: "small" }),
+          button("Picture (PNG)", () => this.actions.savePicture(), { kind: "small", title: "Save the three planes as they are" }),
         ),
       ),
       section(

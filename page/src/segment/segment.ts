@@ -10,6 +10,7 @@ import { ORIENTATIONS } from "./orientation";
 import { regionBox } from "./outlines";
 import type { Overlay } from "./picture";
 import { SlicePlane } from "./plane";
+import { savePlanes } from "./saving";
 import type { Look, Scene } from "./state";
 import { Tool, TOOLS } from "./tools";
 import { Trials, type Trial } from "./trials";
@@ -79,6 +80,7 @@ class SegmentView implements MountedView {
       zoom: (factor) => this.zoom(factor, this.look.crosshair),
       whole: () => this.whole(),
       accept: () => void this.accept(),
+      savePicture: () => savePlanes(this.planes, this.words()),
     });
     root.addEventListener("keydown", (event) => this.shortcut(event));
     app.onChange(() => this.reopened());
@@ -241,6 +243,13 @@ class SegmentView implements MountedView {
     await this.app.attempt(() => this.app.refreshSession());
     this.app.toast(`Accepted: a closed surface of ${done.volume_ml.toFixed(1)} ml is open in Explore and Plan`, "good");
     this.app.show("explore");
+  }
+
+  /** What the slices show, for a picture of them. */
+  private words(): string {
+    const { volume_ml, sketch } = this.shownTrial()?.document ?? {};
+    const found = volume_ml === undefined ? "" : `Left atrium, ${volume_ml.toFixed(1)} ml (${sketch ? "sketch" : "preview"}). `;
+    return `${found}For research use only.`;
   }
 
   // What hands and keys on the planes do.
