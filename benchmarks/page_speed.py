@@ -64,7 +64,9 @@ COMPOSED = {
 }
 """Without a graphics card Chromium draws WebGL in SwiftShader and composes the page itself."""
 PICTURES = {"three pictures": ["original", "harmonics", "points"], "one picture": ["harmonics"]}
-TAKEN = (100, 300, 500)
+TAKEN = (100, 500)
+N_CLICKS = 12
+"""After each click the page judges the samples anew, which is waited for: seconds each."""
 PAUSE_MS = 500
 _PARTS = """async (counts) => {
   const explorer = window.explore.current();
@@ -255,7 +257,7 @@ def served(name: str, *parts: object) -> Iterator[str]:
         thread.join(10)
 
 
-def point_section(page: Page, case: PreparedSurface, n_clicks: int) -> tuple[str, float]:
+def point_section(page: Page, case: PreparedSurface) -> tuple[str, float]:
     """The table of clicks after so many samples, and its slowest median, ms."""
     rng = np.random.default_rng(2)
     field, vertices = case.fields[0], case.surface.vertices
@@ -268,8 +270,8 @@ def point_section(page: Page, case: PreparedSurface, n_clicks: int) -> tuple[str
         for n_taken in TAKEN:
             at = rng.choice(len(vertices), n_taken, replace=False)
             page.evaluate(_TAKE, [vertices[at].tolist(), field.values[at].tolist()])
-            times = [click(page, rng) for _ in range(n_clicks)]
-            rows.append([f"{n_taken} to {n_taken + n_clicks}", *spread(times)])
+            times = [click(page, rng) for _ in range(N_CLICKS)]
+            rows.append([f"{n_taken} to {n_taken + N_CLICKS}", *spread(times)])
             slowest = max(slowest, float(np.median(times)))
     return table(["samples there", "to pixels (ms)", "10–90 %"], rows), slowest
 
@@ -333,7 +335,14 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=24)
     chosen = parser.parse_args()
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    sections, slowest = [], []
+    sections: list[str] = []
+    slowest: list[str] = []
+
+    def add(head: str, label: str, found: tuple[str, float]) -> None:
+        sections.append(f"## {head}\n\n{load().capitalize()}.\n\n{found[0]}")
+        slowest.append(f"{label}: {found[1]:.0f} ms")
+        sys.stderr.write(sections[-1] + "\n")
+
     with sync_playwright() as playwright:
 
         def opened(flags: Sequence[str]) -> Page:
@@ -344,21 +353,17 @@ def main() -> None:
 
         for n_vertices, n_modes in zip(chosen.vertices, chosen.modes, strict=True):
             case = lobed_case(n_vertices, n_modes)
+            size = f"{n_vertices:,} vertices, {n_modes} harmonics"
+            if n_vertices == chosen.vertices[0]:
+                page = opened(FLAGS)
+                add("A new point to the new map: " + size, "new point", point_section(page, case))
+                page.context.browser.close()
             bundle = surface_bundle(case, name="lobed sphere")
             for how, flags in COMPOSED.items():
                 page = opened(flags)
-                words, median = slider_section(page, bundle, n_modes, chosen.steps)
-                slowest.append(f"slider {n_vertices:,} × {n_modes}, {how}: {median:.0f} ms")
-                head = f"## Slider: {n_vertices:,} vertices, {n_modes} harmonics, {how}"
-                sections.append(f"{head}\n\n{load()}.\n\n{words}")
+                found = slider_section(page, bundle, n_modes, chosen.steps)
+                add(f"Slider: {size}, {how}", f"slider, {size}, {how}", found)
                 page.context.browser.close()
-        case = lobed_case(chosen.vertices[0], chosen.modes[0])
-        for how, flags in COMPOSED.items():
-            page = opened(flags)
-            words, median = point_section(page, case, chosen.steps)
-            slowest.append(f"new point, {how}: {median:.0f} ms")
-            sections.append(f"## A new point to the new map, {how}\n\n{load()}.\n\n{words}")
-            page.context.browser.close()
     text = document(sections)
     write_text(Path(__file__).resolve().parents[1] / "docs" / "performance_page.md", text)
     sys.stdout.write(text)

@@ -115,11 +115,10 @@ export class PageApp implements App {
       const stop = new AbortController();
       const told = this.frame?.working(title, () => stop.abort());
       this.working += 1;
-      const way = this.giveWay;
-      way?.abort();
+      this.giveWay?.abort();
       try {
         const run = (): Promise<T> => this.connection.work<T>(path, { ...options, signal: stop.signal }, (stage) => told?.stage(stage));
-        return await (way ? whenFree(run, stop.signal) : run());
+        return await whenFree(run, stop.signal);
       } finally {
         this.working -= 1;
         told?.end();

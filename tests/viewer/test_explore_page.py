@@ -104,6 +104,44 @@ def test_the_slider_changes_the_surface_and_the_numbers_of_an_exported_page(expo
     assert len(set(seen)) == 3
 
 
+def test_pictures_are_coarse_only_while_the_slider_moves_and_drawing_is_slow(exported):
+    canvas, stage = ".stage canvas", "window.explore.current().stage"
+    whole = exported.locator(canvas).evaluate("(canvas) => canvas.width")
+    sharp = {}
+    for slow in ("true", "false"):
+        exported.evaluate(f"{stage}.slow = {slow}")
+        slide(exported, 20)
+        moving = exported.locator(canvas).evaluate("(canvas) => canvas.width")
+        assert moving == (whole // 2 if slow == "true" else whole)
+        exported.wait_for_timeout(600)
+        assert exported.locator(canvas).evaluate("(canvas) => canvas.width") == whole
+        sharp[slow] = exported.evaluate(PIXELS)
+        slide(exported, 30)
+    assert sharp["true"] == sharp["false"]
+
+
+def test_only_pictures_that_change_are_drawn(exported):
+    slide(exported, 20)
+    exported.evaluate(PIXELS)
+    drawn = exported.evaluate(
+        """() => {
+          const explorer = window.explore.current();
+          const { stage } = explorer;
+          stage.slow = false;
+          const seen = [];
+          const draw = stage.renderer.render.bind(stage.renderer);
+          stage.renderer.render = (scene, camera) => {
+            seen.push(stage.panes.findIndex((pane) => pane.scene === scene));
+            draw(scene, camera);
+          };
+          explorer.setCount(21);
+          stage.renderer.render = draw;
+          return seen;
+        }"""
+    )
+    assert drawn == [1, 2], "harmonics and points, not the original"
+
+
 def test_a_page_that_is_served_shows_the_same(serve, browsing, lobed):
     page = browsing.open(serve(lobed.case).address)
     slide(page, 12)

@@ -110,6 +110,7 @@ export class Explorer {
   private change(part: Partial<ExploreState>): void {
     const field = this.state.field;
     Object.assign(this.state, part);
+    if ("cut" in part) this.stage.moving();
     this.stage.setCut(this.state.cut);
     if (part.pictures) this.showPictures();
     else this.update();
