@@ -23,6 +23,9 @@ export interface App {
   work<T = unknown>(title: string, path: string, value: unknown): Promise<T | undefined>;
   /** The same with the options of the request given (see `posted` and `uploaded`). */
   workWith<T = unknown>(title: string, path: string, options: RequestInit): Promise<T | undefined>;
+  /** Sends a value to long work that no one waits for at a bar: it gives way to any other work and
+   * begins anew after it. Throws in words, and an AbortError once `signal` is aborted. */
+  background<T = unknown>(path: string, value: unknown, signal: AbortSignal, heard: (stage: WorkStage) => void): Promise<T>;
   /** Fetches the surface anew from GET /api/case and tells `onSurface`. */
   openSurface(): Promise<void>;
   /** Calls now, if a surface is open, and whenever another one is. Returns how to stop. */
@@ -60,6 +63,8 @@ export class PageApp implements App {
   private surfaceListeners = new Set<(surface: SurfaceCase) => void>();
   private changeListeners = new Set<() => void>();
   private chosenTheme: "light" | "dark" | null = null;
+  private working = 0;
+  private giveWay: AbortController | null = null;
 
   constructor() {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.changed());
@@ -109,13 +114,31 @@ export class PageApp implements App {
     return this.attempt(async () => {
       const stop = new AbortController();
       const told = this.frame?.working(title, () => stop.abort());
+      this.working += 1;
+      this.giveWay?.abort();
       try {
-        const watched = { ...options, signal: stop.signal };
-        return await this.connection.work<T>(path, watched, (stage) => told?.stage(stage));
+        const run = (): Promise<T> => this.connection.work<T>(path, { ...options, signal: stop.signal }, (stage) => told?.stage(stage));
+        return await whenFree(run, stop.signal);
       } finally {
+        this.working -= 1;
         told?.end();
       }
     });
+  }
+
+  async background<T = unknown>(path: string, value: unknown, signal: AbortSignal, heard: (stage: WorkStage) => void): Promise<T> {
+    for (;;) {
+      while (this.working) await pause(BUSY_MS, signal);
+      const way = (this.giveWay = new AbortController());
+      const options = posted(value, { signal: AbortSignal.any([signal, way.signal]) });
+      try {
+        return await whenFree(() => this.connection.work<T>(path, options, heard), signal);
+      } catch (fault) {
+        if (signal.aborted || !way.signal.aborted) throw fault;
+      } finally {
+        if (this.giveWay === way) this.giveWay = null;
+      }
+    }
   }
 
   async openSurface(): Promise<void> {
@@ -171,6 +194,29 @@ export class PageApp implements App {
 
   private changed(): void {
     for (const heard of this.changeListeners) heard();
+  }
+}
+
+const BUSY_MS = 200;
+
+/** Waits; throws an AbortError if given up meanwhile. */
+export function pause(ms: number, signal: AbortSignal): Promise<void> {
+  signal.throwIfAborted();
+  return new Promise((done, failed) => {
+    const timer = setTimeout(done, ms);
+    signal.addEventListener("abort", () => (clearTimeout(timer), failed(signal.reason)), { once: true });
+  });
+}
+
+/** Tries again while the server ends what was cancelled before. */
+async function whenFree<T>(run: () => Promise<T>, signal: AbortSignal): Promise<T> {
+  for (;;) {
+    try {
+      return await run();
+    } catch (fault) {
+      if (!(fault instanceof RequestError && fault.status === 409)) throw fault;
+      await pause(BUSY_MS, signal);
+    }
   }
 }
 

@@ -1,7 +1,9 @@
 /** The frame around the views: head, tabs, messages, help, saved state, dropped files. */
 import { inWords, type Frame, type PageApp, type Tone } from "./app";
 import { uploaded, type Stage } from "./connection";
+import { droppedFiles, inFolder, isTable, packed, type Dropped } from "./dropping";
 import { fill, h, saveFile } from "./dom";
+import { MapChoice, openButton } from "./opener";
 import { views, type MountedView, type View } from "./registry";
 import { button } from "./widgets/panel";
 
@@ -30,12 +32,15 @@ export class PageFrame implements Frame {
   private readonly toasts = h("div", { class: "toasts", role: "status", "aria-live": "polite" });
   private readonly spoken = h("div", { class: "unseen", role: "status", "aria-live": "polite" });
   private readonly help = h("dialog", { class: "help", "aria-label": "Help" });
+  private readonly maps: MapChoice;
+  private readonly opener = openButton((files) => this.dropped(files));
   private current = "";
 
   constructor(
     private readonly root: HTMLElement,
     private readonly app: PageApp,
   ) {
+    this.maps = new MapChoice(app);
     app.frame = this;
   }
 
@@ -115,10 +120,12 @@ export class PageFrame implements Frame {
       { class: "head" },
       h("span", { class: "brand" }, "auricle"),
       this.title,
+      this.maps.element,
       this.tabs,
       h(
         "div",
         { class: "head-tools" },
+        this.opener,
         button("Save", () => this.save(), { kind: "small", title: "Save the state of the page as a JSON file" }),
         button("Restore", () => restore.click(), { kind: "small", title: "Restore a saved state of the page" }),
         restore,
@@ -150,6 +157,8 @@ export class PageFrame implements Frame {
     const offered = views().filter((view) => view.available(this.app));
     this.title.textContent = this.app.session.name;
     document.title = this.app.session.name ? `${this.app.session.name} – auricle` : "auricle";
+    this.maps.refresh();
+    this.opener.hidden = this.app.mode === "exported";
     const alone = offered.length < 2;
     fill(
       this.tabs,
@@ -177,28 +186,44 @@ export class PageFrame implements Frame {
     document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => {
       event.preventDefault();
-      const files = [...(event.dataTransfer?.files ?? [])];
-      if (files.length) this.dropped(files);
+      if (event.dataTransfer) void this.app.attempt(async () => this.dropped(await droppedFiles(event.dataTransfer as DataTransfer)));
     });
   }
 
-  private dropped(files: readonly File[]): void {
-    if (files.length === 1 && files[0].name.endsWith(".json")) {
-      void this.restore(files[0]);
+  private dropped(files: readonly Dropped[]): void {
+    if (!files.length) return;
+    if (files.length === 1 && files[0].file.name.endsWith(".json") && !inFolder(files[0])) {
+      void this.restore(files[0].file);
       return;
     }
-    const shown = this.mounted.get(this.current)?.view;
-    if (shown?.dropped?.(files)) return;
-    if ([...this.mounted.values()].some(({ view }) => view !== shown && view.dropped?.(files))) return;
+    const loose = files.filter((each) => isTable(each) && !inFolder(each));
+    if (loose.length === files.length && this.taken(loose)) return;
     if (this.app.mode === "exported")
-      this.toast(`${files[0].name} cannot be opened in an exported page: use auricle view`, "bad");
-    else void this.open(files[0]);
+      this.toast(`${files[0].file.name} cannot be opened in an exported page: use auricle view`, "bad");
+    else void this.open(files, loose);
   }
 
-  /** Opens a dropped file in place of what is open. */
-  private async open(file: File): Promise<void> {
-    const opened = await this.app.workWith(`Opening ${file.name}`, "/api/open", uploaded(file));
-    if (opened !== undefined) await this.app.attempt(() => this.app.refreshSession());
+  /** Whether a view, that in sight before all others, has taken tables. */
+  private taken(tables: readonly Dropped[]): boolean {
+    const files = tables.map(({ file }) => file);
+    const shown = this.mounted.get(this.current)?.view;
+    if (shown?.dropped?.(files)) return true;
+    return [...this.mounted.values()].some(({ view }) => view !== shown && view.dropped?.(files));
+  }
+
+  /** Opens dropped files in place of what is open; tables beside one file are then samples on it. */
+  private async open(files: readonly Dropped[], tables: readonly Dropped[]): Promise<void> {
+    const cases = files.filter((each) => !tables.includes(each));
+    const alone = cases.length === 1 && !inFolder(cases[0]) ? cases[0].file : files.length === 1 ? files[0].file : null;
+    const title = `Opening ${alone?.name ?? `${files.length} files`}`;
+    const opened = alone
+      ? await this.app.workWith(title, "/api/open", uploaded(alone))
+      : await this.app.workWith(title, "/api/open-dropped", packed(files));
+    if (opened === undefined) return;
+    await this.app.attempt(() => this.app.refreshSession());
+    if (!alone || !tables.length || files.length === 1 || !this.app.session.views.includes("plan")) return;
+    this.show("plan");
+    this.taken(tables);
   }
 
   private save(): void {

@@ -104,6 +104,44 @@ def test_the_slider_changes_the_surface_and_the_numbers_of_an_exported_page(expo
     assert len(set(seen)) == 3
 
 
+def test_pictures_are_coarse_only_while_the_slider_moves_and_drawing_is_slow(exported):
+    moved = """(slow) => {
+      const explorer = window.explore.current();
+      explorer.stage.slow = slow;
+      explorer.setCount(explorer.state.count === 20 ? 21 : 20);
+      return explorer.stage.canvas.width;
+    }"""
+    width = "window.explore.current().stage.canvas.width"
+    exported.wait_for_timeout(600)
+    whole = exported.evaluate(width)
+    assert exported.evaluate(moved, False) == whole
+    assert exported.evaluate(moved, True) == whole // 2
+    exported.wait_for_timeout(1_000)
+    assert exported.evaluate(width) == whole
+
+
+def test_only_pictures_that_change_are_drawn(exported):
+    slide(exported, 20)
+    exported.evaluate(PIXELS)
+    drawn = exported.evaluate(
+        """() => {
+          const explorer = window.explore.current();
+          const { stage } = explorer;
+          stage.slow = false;
+          const seen = [];
+          const draw = stage.renderer.render.bind(stage.renderer);
+          stage.renderer.render = (scene, camera) => {
+            seen.push(stage.panes.findIndex((pane) => pane.scene === scene));
+            draw(scene, camera);
+          };
+          explorer.setCount(21);
+          stage.renderer.render = draw;
+          return seen;
+        }"""
+    )
+    assert drawn == [1, 2], "harmonics and points, not the original"
+
+
 def test_a_page_that_is_served_shows_the_same(serve, browsing, lobed):
     page = browsing.open(serve(lobed.case).address)
     slide(page, 12)
@@ -203,7 +241,12 @@ def test_tables_hold_what_is_seen(exported, lobed):
     assert float(spectrum[19]["geometry_rms_error_mm"]) == pytest.approx(lobed.rms(20), rel=1e-3)
     with exported.expect_download() as saved:
         exported.get_by_role("button", name="Picture (PNG)").click()
-    assert Path(saved.value.path()).read_bytes().startswith(b"\x89PNG")
+    content = Path(saved.value.path()).read_bytes()
+    assert content.startswith(b"\x89PNG")
+    left = exported.locator(".colour-bar").first.bounding_box()["x"]
+    stage = exported.locator(".stage").bounding_box()
+    width = int.from_bytes(content[16:20], "big")
+    assert width == round(stage["x"] + stage["width"] - left), "the colour bar is in the picture"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -1,6 +1,7 @@
 """The view that segments, in a browser."""
 
 import json
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +11,14 @@ import pytest
 from auricle.imaging.dicom_writing import write_dicom_series
 from auricle.imaging.segmentation import segment
 from auricle.imaging.verdict import REMEDIES
+from auricle.progress import silent
 from auricle.simulation.phantom import PhantomOptions, phantom
 from auricle.study.result import Source
 from auricle.study.segmented import SegmentationConfig
 from auricle.viewer.opening import Detail, open_path
 from auricle.viewer.volume_session import VolumeSession, drawn_lattice
 
-PREVIEW_MM, RESULT_MM = 3.0, 2.5
+SKETCH_MM, PREVIEW_MM = 3.0, 2.0
 NAME = '<img src=x onerror="alert(1)">.nrrd'
 
 
@@ -29,7 +31,7 @@ def patient():
 def session(patient):
     volume = replace(patient.volume, remarks=("<b>bold</b> remark",))
     source = Source(NAME, 1, "0" * 64)
-    spacings = {"preview_mm": PREVIEW_MM, "result_mm": RESULT_MM}
+    spacings = {"sketch_mm": SKETCH_MM, "preview_mm": PREVIEW_MM}
     return VolumeSession(volume, source, drawn_lattice(volume), **spacings)
 
 
@@ -186,15 +188,16 @@ def test_a_result_is_accepted_once_looked_at_and_opens_as_a_surface(page, sessio
     assert "<b>bold</b> remark" in page.locator(".facts").first.inner_text()
     assert browsing.violations() == []
     accept = page.get_by_role("button", name="Accept")
-    assert accept.is_disabled()
-    page.get_by_role("button", name="Segment", exact=True).click()
-    page.wait_for_selector(f"[data-fact=kind]:text-is('result at {RESULT_MM:g} mm')")
     if page.locator(".verdict.check").count():
         assert accept.is_disabled()
         page.get_by_label("I have looked at each of them").check()
     assert volume_ml(page) == pytest.approx(
-        session.trial(SegmentationConfig(), preview=False).found.volume_ml, abs=0.06
+        session.trial(SegmentationConfig()).found.volume_ml, abs=0.06
     )
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Picture (PNG)").click()
+    assert saved.value.suggested_filename == "slices.png"
+    assert saved.value.path().read_bytes().startswith(b"\x89PNG")
     accept.click()
     page.wait_for_selector("nav button[aria-current=page]:text-is('Explore')")
     page.locator("nav button:text-is('Segment')").click()
@@ -202,23 +205,40 @@ def test_a_result_is_accepted_once_looked_at_and_opens_as_a_surface(page, sessio
         page.get_by_role("button", name="result.json").click()
     document = json.loads(saved.value.path().read_text(encoding="utf-8"))
     assert document["mask_volume_ml"] == pytest.approx(session.accepted.mask.volume_ml)
+    previewed_mask = session.trial(SegmentationConfig()).found.mask
+    assert session.accepted.segmentation.mask is previewed_mask
 
 
-def test_cancelling_leaves_the_preview_and_frees_the_server(serve, browsing, patient):
+def test_another_choice_gives_the_preview_up_and_only_previews_are_accepted(
+    serve, browsing, patient
+):
     source = Source("scan.nrrd", 1, "0" * 64)
     shown = drawn_lattice(patient.volume)
-    session = VolumeSession(patient.volume, source, shown, preview_mm=PREVIEW_MM)
+    session = VolumeSession(patient.volume, source, shown, sketch_mm=SKETCH_MM)
+    held = threading.Event()
+    trial = session.trial
+
+    def patient_trial(config, *, sketch=False, progress=silent):
+        """The first preview comes no further until something else is chosen."""
+        if sketch or config.lower_hu is not None:
+            return trial(config, sketch=sketch, progress=progress)
+        while not held.wait(0.05):
+            progress("chambers", 3, 6)
+        return trial(config, progress=progress)
+
+    session.trial = patient_trial
     server = serve(session)
     page = browsing.open(server.address)
-    previewed(page)
-    page.get_by_role("button", name="Segment", exact=True).click()
-    page.get_by_role("button", name="Cancel").click()
-    page.get_by_role("button", name="Cancel").wait_for(state="hidden")
-    assert fact(page, "kind") == "preview at 3 mm"
+    page.wait_for_selector(
+        f"[data-fact=kind]:text-is('sketch at {SKETCH_MM:g} mm, preview: chambers …')"
+    )
+    assert page.get_by_role("button", name="Accept").is_disabled()
+    page.locator("[data-threshold=lower_hu]").fill("260")
+    page.wait_for_selector("[data-fact=kind]:text-is('preview at 1 mm')")
+    assert not held.is_set()
+    assert session.accepted is None
     assert server.workspace.busy.acquire(timeout=60)
     server.workspace.busy.release()
-    assert page.get_by_role("button", name="Accept").is_disabled()
-    assert session.accepted is None
 
 
 def test_nobody_s_name_is_on_the_page_of_a_dicom_series(serve, browsing, patient, tmp_path):
@@ -235,11 +255,27 @@ def test_nobody_s_name_is_on_the_page_of_a_dicom_series(serve, browsing, patient
     answers = []
     browsing.page.on("response", lambda answer: answers.append(answer))
     page = browsing.open(server.address)
-    page.wait_for_selector("[data-fact=kind]:text-is('preview at 2 mm')")
-    told = page.content() + page.title() + "".join(each.text() for each in answers if is_text(each))
+    page.wait_for_selector("[data-fact=kind]:text-is('preview at 1 mm')")
+    streamed = [each for each in answers if "ndjson" in each.headers.get("content-type", "")]
+    whole = [each for each in answers if is_text(each) and each not in streamed]
+    told = page.content() + page.title() + "".join(each.text() for each in whole)
+    assert [each.url.rpartition("/")[2] for each in streamed] == ["preview"]
+    told += page.evaluate(ASK_AGAIN)
+    assert '"result"' in told
     assert "DICOM series" in told
     for canary in ("CANARY", "19530412", "ANNA"):
         assert canary not in told
+
+
+ASK_AGAIN = """async () => {
+  const headers = {
+    Authorization: `Bearer ${sessionStorage.getItem("auricle-secret")}`,
+    "Content-Type": "application/json",
+  };
+  const answer = await fetch("/api/segment/preview", { method: "POST", headers, body: "{}" });
+  return answer.text();
+}"""
+"""The stream of a preview, which the browser does not keep."""
 
 
 def is_text(answer):

@@ -6,7 +6,6 @@ import pytest
 
 from auricle.errors import InputError
 from auricle.imaging.dicom_writing import write_dicom_series
-from auricle.imaging.resampling import mask_on
 from auricle.imaging.segmentation import segment
 from auricle.imaging.writing import write_volume
 from auricle.simulation.phantom import PhantomOptions, phantom
@@ -15,7 +14,7 @@ from auricle.viewer.endpoints import Call, Work
 from auricle.viewer.open_case import OpenCase
 from auricle.viewer.opening import Detail
 from auricle.viewer.segment_routes import ENDPOINTS, config_of, trial_document
-from auricle.viewer.volume_session import PREVIEW_MM, VolumeSession, volume_session
+from auricle.viewer.volume_session import SKETCH_MM, VolumeSession, volume_session
 from auricle.viewer.work_stream import CancelledError
 from auricle.viewer.workspace import Workspace
 
@@ -61,38 +60,45 @@ def test_the_page_draws_the_values_of_the_volume(session, patient):
     )
 
 
-def test_a_preview_is_the_segmentation_of_the_pipeline_at_its_own_spacing(session, patient):
-    session.trial(SegmentationConfig(), preview=True)
-    shown = session.trial(CONFIG, preview=True)
-    alone = segment(patient.volume, replace(CONFIG.options, step=PREVIEW_MM))
+def test_a_sketch_is_the_segmentation_of_the_pipeline_at_its_own_spacing(session, patient):
+    session.trial(SegmentationConfig(), sketch=True)
+    shown = session.trial(CONFIG, sketch=True)
+    alone = segment(patient.volume, replace(CONFIG.options, step=SKETCH_MM))
     np.testing.assert_array_equal(shown.found.mask.voxels, alone.mask.voxels)
     assert shown.found.reasons == alone.reasons
     document = trial_document(shown)
-    assert document["preview"] is True
-    assert document["step_mm"] == PREVIEW_MM
+    assert document["sketch"] is True
+    assert document["step_mm"] == SKETCH_MM
     assert document["volume_ml"] == alone.volume_ml
 
 
 @pytest.mark.slow
-def test_the_result_is_what_the_command_writes(session, path):
-    preview = session.trial(CONFIG, preview=True).found
-    found = session.trial(CONFIG, preview=False)
-    case = session.accept(found.key)
+def test_the_preview_is_the_result_voxel_for_voxel(session, path, tmp_path):
+    body = {"config": {"lower_hu": CONFIG.lower_hu, "cuts_mm": [list(CONFIG.cuts_mm[0])]}}
+    document, _ = answered(
+        session, "/api/segment/preview", method="POST", body=body, folder=tmp_path
+    )
+    content, _ = answered(session, "/api/segment/mask/{key}", path={"key": document["key"]})
+    nx, ny, nz = document["mask_shape"]
+    seen = np.frombuffer(content, np.uint8).reshape(nz, ny, nx).transpose(2, 1, 0).astype(bool)
+    case = session.accept(document["key"])
     commanded = segment_file(path, CONFIG)
+    for found in (case, commanded):
+        np.testing.assert_array_equal(seen, found.segmentation.mask.voxels)
+        assert document["mask_origin_mm"] == found.segmentation.mask.origin.tolist()
+        assert document["step_mm"] == found.segmentation.mask.spacing[0]
+        assert document["volume_ml"] == found.segmentation.volume_ml
     np.testing.assert_array_equal(case.mask.voxels, commanded.mask.voxels)
     np.testing.assert_array_equal(
         case.endocardium.mesh.vertices, commanded.endocardium.mesh.vertices
     )
     assert case.source == commanded.source
-    coarse = mask_on(preview.mask, session.volume).voxels
-    fine = case.mask.voxels
-    assert 2 * (coarse & fine).sum() / (coarse.sum() + fine.sum()) > 0.93
 
 
 def test_the_page_gets_the_mask_the_session_found(session, tmp_path):
     body = {"config": {"lower_hu": 250.0}}
     document, _ = answered(
-        session, "/api/segment/preview", method="POST", body=body, folder=tmp_path
+        session, "/api/segment/sketch", method="POST", body=body, folder=tmp_path
     )
     content, _ = answered(session, "/api/segment/mask/{key}", path={"key": document["key"]})
     inside = np.frombuffer(content, np.uint8)
@@ -104,7 +110,7 @@ def test_the_page_gets_the_mask_the_session_found(session, tmp_path):
 def test_a_refusal_is_an_answer_with_its_reason(session, tmp_path):
     body = {"config": {"seed_mm": [0, 0, 0]}}
     document, _ = answered(
-        session, "/api/segment/preview", method="POST", body=body, folder=tmp_path
+        session, "/api/segment/sketch", method="POST", body=body, folder=tmp_path
     )
     assert document["verdict"] == "refused"
     (reason,) = document["reasons"]
@@ -115,19 +121,19 @@ def test_a_refusal_is_an_answer_with_its_reason(session, tmp_path):
 
 
 def test_going_back_to_parameters_tried_before_takes_no_second_segmentation(session):
-    first = session.trial(CONFIG, preview=True)
-    session.trial(SegmentationConfig(lower_hu=260.0), preview=True)
+    first = session.trial(CONFIG, sketch=True)
+    session.trial(SegmentationConfig(lower_hu=260.0), sketch=True)
 
     def unwanted(*_):
         pytest.fail("segmented again")
 
-    assert session.trial(CONFIG, preview=True, progress=unwanted) is first
+    assert session.trial(CONFIG, sketch=True, progress=unwanted) is first
 
 
-def test_a_preview_cannot_be_accepted_nor_a_file_had_before(session):
+def test_a_sketch_cannot_be_accepted_nor_a_file_had_before(session):
     fresh = VolumeSession(session.volume, session.source, session.shown)
-    key = fresh.trial(CONFIG, preview=True).key
-    with pytest.raises(InputError, match="segment first"):
+    key = fresh.trial(CONFIG, sketch=True).key
+    with pytest.raises(InputError, match="wait for the preview"):
         fresh.accept(key)
     with pytest.raises(InputError, match="accept first"):
         answered(fresh, "/api/segment/file/{name}", path={"name": "mask.nrrd"})
@@ -140,8 +146,8 @@ def test_cancelled_work_leaves_nothing_behind(session):
 
     config = SegmentationConfig(lower_hu=244.0)
     with pytest.raises(CancelledError):
-        session.trial(config, preview=True, progress=cancel)
-    assert session.trial(config, preview=True).found is not None
+        session.trial(config, sketch=True, progress=cancel)
+    assert session.trial(config, sketch=True).found is not None
 
 
 @pytest.mark.parametrize(
@@ -165,7 +171,7 @@ def test_parameters_that_are_none_are_refused(wrong):
 
 @pytest.mark.slow
 def test_an_accepted_atrium_opens_beside_its_ct(session, tmp_path):
-    key = session.trial(SegmentationConfig(), preview=False).key
+    key = session.trial(SegmentationConfig()).key
     answer, workspace = answered(
         session, "/api/segment/accept", method="POST", body={"key": key}, folder=tmp_path
     )
@@ -186,7 +192,7 @@ def test_nothing_of_a_dicom_header_or_of_its_folder_reaches_the_page(patient, tm
     write_dicom_series(patient.volume, folder)
     plant(folder)
     session = volume_session(folder)
-    document = trial_document(session.trial(SegmentationConfig(), preview=True))
+    document = trial_document(session.trial(SegmentationConfig(), sketch=True))
     told = json.dumps([dict(session.described()), document])
     assert "CANARY" not in told
     assert "19530412" not in told

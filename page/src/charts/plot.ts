@@ -41,10 +41,17 @@ export class Plot {
   /** Apart from the drawing, so that moving it draws nothing anew. */
   private readonly line = h("div", { class: "marker" });
   private marked: number | null = null;
+  /** Pixels of the page; asked for once, since asking makes the browser lay the page out. */
+  private width = 0;
+  private height = 0;
 
   constructor() {
     this.element.append(this.heading, this.host);
-    new ResizeObserver(() => this.render()).observe(this.host);
+    new ResizeObserver(() => {
+      this.width = this.host.clientWidth;
+      this.height = this.host.clientHeight;
+      this.render();
+    }).observe(this.host);
   }
 
   /** Draws something else. */
@@ -61,14 +68,6 @@ export class Plot {
     this.line.hidden = false;
     if (!options || !this.line.isConnected) return;
     this.line.style.transform = `translateX(${this.across(options.x)(x) - 0.75}px)`;
-  }
-
-  private get width(): number {
-    return this.host.clientWidth;
-  }
-
-  private get height(): number {
-    return this.host.clientHeight;
   }
 
   private across(axis: Axis): (value: number) => number {

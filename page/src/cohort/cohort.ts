@@ -62,15 +62,15 @@ class CohortView implements MountedView {
           "div",
           { class: "cohort-head" },
           h("h2", {}, `${n} ${n === 1 ? "case" : "cases"}${failed}`),
-          h("p", { class: "note" }, "–: not known, or more than the harmonics solved for"),
+          h("p", { class: "note" }, "A line a case, opened by its name. –: not known, or more than the harmonics solved for"),
           button("Save as CSV", () => saveFile("cases.csv", table.csv(), "text/csv"), { kind: "small" }),
         ),
         table.element,
         h(
           "div",
           { class: "pictures" },
-          figure("Table 1: how many harmonics hold 85 and 90 % of the power", study.table1.length ? rangesPicture(study.table1) : null),
-          figure("τ: how fast the surface's error falls", study.cases.length ? tausPicture(study) : null),
+          figure("Table 1: how many harmonics hold 85 and 90 % of the power", study.table1.length > 0 && ((wide) => rangesPicture(study.table1, wide))),
+          figure("τ: how fast the surface's error falls", study.cases.length > 0 && ((wide) => tausPicture(study, wide))),
         ),
       ),
     );
@@ -90,11 +90,10 @@ class CohortView implements MountedView {
   }
 }
 
-function figure(title: string, picture: SVGElement | null): HTMLElement {
-  return h(
-    "figure",
-    { class: "picture" },
-    h("figcaption", {}, title),
-    picture ? h("div", { class: "picture-scroll", tabindex: 0 }, picture) : h("p", { class: "note" }, "Not there yet: finish the study."),
-  );
+/** A picture drawn anew for the width it is given; without one, that it is not there yet. */
+function figure(title: string, drawn: false | ((wide: number) => SVGElement)): HTMLElement {
+  const host = h("div", { class: "picture-host" });
+  if (drawn) new ResizeObserver(() => host.clientWidth && fill(host, drawn(host.clientWidth))).observe(host);
+  else fill(host, h("p", { class: "note" }, "Not there yet: finish the study."));
+  return h("figure", { class: "picture" }, h("figcaption", {}, title), host);
 }

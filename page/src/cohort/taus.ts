@@ -3,7 +3,7 @@ import { svg } from "../dom";
 import { diamond } from "./ranges";
 import { numberOf, words, type Study } from "./study";
 
-const [WIDE, TALL, LEFT, RIGHT, TOP, BASE] = [420, 330, 52, 12, 26, 280];
+const [TALL, LEFT, RIGHT, TOP, BASE] = [330, 52, 12, 26, 280];
 const GROUPS = [
   { key: "tau_mha_gd", error: "GD", method: "mha", words: "MHA" },
   { key: "tau_qslim_gd", error: "GD", method: "qslim", words: "Qslim" },
@@ -20,7 +20,8 @@ interface Group {
   readonly printed: number | null;
 }
 
-export function tausPicture(study: Study): SVGElement {
+/** Drawn for a place so many pixels wide. */
+export function tausPicture(study: Study, wide: number): SVGElement {
   const groups = GROUPS.map((group): Group => {
     const row = study.decay.find((each) => each["error"] === group.error);
     const of = (name: string): number | null => (row ? numberOf(row, name) : null);
@@ -37,12 +38,12 @@ export function tausPicture(study: Study): SVGElement {
   ];
   const most = Math.max(10, ...all) * 1.08;
   const y = (tau: number): number => BASE - (tau / most) * (BASE - TOP);
-  const middle = (place: number): number => LEFT + ((place + 0.5) / GROUPS.length) * (WIDE - LEFT - RIGHT);
+  const middle = (place: number): number => LEFT + ((place + 0.5) / GROUPS.length) * (wide - LEFT - RIGHT);
   return svg(
     "svg",
-    { viewBox: `0 0 ${WIDE} ${TALL}`, role: "img", "aria-label": spoken(groups) },
+    { viewBox: `0 0 ${wide} ${TALL}`, role: "img", "aria-label": spoken(groups) },
     ...ticksTo(most).flatMap((tau) => [
-      svg("path", { d: `M${LEFT} ${y(tau)}H${WIDE - RIGHT}`, class: "grid" }),
+      svg("path", { d: `M${LEFT} ${y(tau)}H${wide - RIGHT}`, class: "grid" }),
       svg("text", { x: LEFT - 6, y: y(tau) + 4, class: "end" }, tau),
     ]),
     svg("text", { x: 14, y: (TOP + BASE) / 2, class: "middle", transform: `rotate(-90 14 ${(TOP + BASE) / 2})` }, "τ, harmonics or points"),
@@ -56,7 +57,7 @@ export function tausPicture(study: Study): SVGElement {
       }),
     ),
     ...GROUPS.map((group, place) => svg("text", { x: middle(place), y: BASE + 17, class: "middle" }, group.words)),
-    svg("text", { x: (middle(0) + middle(1)) / 2, y: BASE + 36, class: "middle strong" }, "GD (geometric distance)"),
+    svg("text", { x: (middle(0) + middle(1)) / 2, y: BASE + 36, class: "middle strong" }, "GD (distance)"),
     svg("text", { x: (middle(2) + middle(3)) / 2, y: BASE + 36, class: "middle strong" }, "MSE"),
     ...key(),
   );
@@ -73,12 +74,12 @@ function marks(group: Group, x: number, y: (tau: number) => number): SVGElement[
 
 function key(): SVGElement[] {
   return [
-    svg("circle", { cx: LEFT + 8, cy: 10, r: 4.5, class: "median" }),
-    svg("text", { x: LEFT + 20, y: 14 }, "mean ± deviation"),
-    svg("circle", { cx: LEFT + 142, cy: 10, r: 3, class: "case" }),
-    svg("text", { x: LEFT + 152, y: 14 }, "a case"),
-    svg("path", { d: diamond(LEFT + 214, 10), class: "printed" }),
-    svg("text", { x: LEFT + 226, y: 14 }, "printed in the paper"),
+    svg("circle", { cx: 10, cy: 10, r: 4.5, class: "median" }),
+    svg("text", { x: 20, y: 14 }, "mean ± deviation"),
+    svg("circle", { cx: 140, cy: 10, r: 3, class: "case" }),
+    svg("text", { x: 148, y: 14 }, "a case"),
+    svg("path", { d: diamond(206, 10), class: "printed" }),
+    svg("text", { x: 216, y: 14 }, "printed in the paper"),
   ];
 }
 

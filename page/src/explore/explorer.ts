@@ -16,6 +16,8 @@ import { deviations, Rebuilt, rootMeanSquare } from "./rebuild";
 import { savePicture, saveSpectrum, saveVertices } from "./saving";
 import { checkedState, defaultScale, initialState, type ExploreState, type Picture, type SavedExplore } from "./state";
 
+const ABOUT = "Shape and map rebuilt from the k coarsest waves, and from k points";
+
 export class Explorer {
   readonly stage: Stage;
   state: ExploreState;
@@ -49,7 +51,7 @@ export class Explorer {
       saveVertices: () => this.saveVertices(),
       saveSpectrum: () => saveSpectrum(surface),
     });
-    const views = new ViewBar(surface.space, (name) => this.stage.look(name), () => {
+    const views = new ViewBar(surface.space, ABOUT, (name) => this.stage.look(name), () => {
       this.stage.orbit.reset();
       this.stage.draw();
     });
@@ -68,6 +70,7 @@ export class Explorer {
     const next = Math.min(Math.max(Math.round(count), 1), this.surface.nModes);
     this.state.count = next;
     this.panel.setCount(next);
+    this.stage.moving();
     this.update();
   }
 
@@ -107,6 +110,7 @@ export class Explorer {
   private change(part: Partial<ExploreState>): void {
     const field = this.state.field;
     Object.assign(this.state, part);
+    if ("cut" in part) this.stage.moving();
     this.stage.setCut(this.state.cut);
     if (part.pictures) this.showPictures();
     else this.update();

@@ -18,34 +18,46 @@ export function levelOf(surface: SurfaceCase, count: number): Level | null {
   const { collapses, nVertices } = surface;
   if (!collapses || count < fewestPoints(surface)) return null;
   const steps = Math.max(nVertices - count, 0);
+  const { kept, gone } = collapses;
   const places = surface.positions.slice();
   // Of several places of one vertex the last counts.
-  for (let step = 0; step < steps; step += 1)
-    for (let axis = 0; axis < 3; axis += 1)
-      places[3 * collapses.kept[step] + axis] = collapses.places[3 * step + axis];
-  const standsFor = Int32Array.from({ length: nVertices }, (_, i) => i);
-  for (let step = steps - 1; step >= 0; step -= 1)
-    standsFor[collapses.gone[step]] = standsFor[collapses.kept[step]];
+  for (let step = 0, from = 0; step < steps; step += 1, from += 3) {
+    const to = 3 * kept[step];
+    places[to] = collapses.places[from];
+    places[to + 1] = collapses.places[from + 1];
+    places[to + 2] = collapses.places[from + 2];
+  }
+  const standsFor = new Int32Array(nVertices);
+  for (let i = 0; i < nVertices; i += 1) standsFor[i] = i;
+  for (let step = steps - 1; step >= 0; step -= 1) standsFor[gone[step]] = standsFor[kept[step]];
   return compacted(surface, places, standsFor);
 }
 
-function compacted(surface: SurfaceCase, places: Float32Array, standsFor: Int32Array): Level {
-  const number = new Int32Array(standsFor.length).fill(-1);
-  const positions: number[] = [];
+function compacted({ faces }: SurfaceCase, places: Float32Array, standsFor: Int32Array): Level {
+  const number = new Int32Array(standsFor.length);
+  const positions = new Float32Array(places.length);
+  let count = 0;
   for (let i = 0; i < standsFor.length; i += 1) {
     if (standsFor[i] !== i) continue;
-    number[i] = positions.length / 3;
-    positions.push(places[3 * i], places[3 * i + 1], places[3 * i + 2]);
+    number[i] = count;
+    for (let axis = 0; axis < 3; axis += 1) positions[3 * count + axis] = places[3 * i + axis];
+    count += 1;
   }
-  const standIn = standsFor.map((vertex) => number[vertex]);
-  const faces: number[] = [];
-  for (let face = 0; face < surface.faces.length; face += 3) {
-    const a = standIn[surface.faces[face]];
-    const b = standIn[surface.faces[face + 1]];
-    const c = standIn[surface.faces[face + 2]];
-    if (a !== b && b !== c && c !== a) faces.push(a, b, c);
+  const standIn = new Int32Array(standsFor.length);
+  for (let i = 0; i < standIn.length; i += 1) standIn[i] = number[standsFor[i]];
+  const left = new Uint32Array(faces.length);
+  let corners = 0;
+  for (let face = 0; face < faces.length; face += 3) {
+    const a = standIn[faces[face]];
+    const b = standIn[faces[face + 1]];
+    const c = standIn[faces[face + 2]];
+    if (a === b || b === c || c === a) continue;
+    left[corners] = a;
+    left[corners + 1] = b;
+    left[corners + 2] = c;
+    corners += 3;
   }
-  return { positions: Float32Array.from(positions), faces: Uint32Array.from(faces), standIn };
+  return { positions: positions.slice(0, 3 * count), faces: left.slice(0, corners), standIn };
 }
 
 /** A map at the points of a level: the mean over the area each stands for; NaN if mostly unsampled. */
@@ -61,5 +73,7 @@ export function valuesAt(level: Level, surface: SurfaceCase, values: Float32Arra
     sum[to] += surface.areas[i] * values[i];
     known[to] += surface.areas[i];
   }
-  return Float32Array.from(sum, (total, i) => (known[i] > 0 && 2 * known[i] >= all[i] ? total / known[i] : NaN));
+  const means = new Float32Array(n);
+  for (let i = 0; i < n; i += 1) means[i] = known[i] > 0 && 2 * known[i] >= all[i] ? sum[i] / known[i] : NaN;
+  return means;
 }

@@ -18,8 +18,10 @@ export class Rebuilt {
   /** Goes to `count` harmonics by the shorter way: from what there is, or from nothing. */
   goTo(count: number): void {
     if (Math.abs(count - this.count) > count) this.restart();
-    while (this.count < count) this.add(this.count++, 1);
-    while (this.count > count) this.add(--this.count, -1);
+    const sign = count > this.count ? 1 : -1;
+    const [from, to] = sign > 0 ? [this.count, count] : [count, this.count];
+    for (let mode = from; mode < to; mode += AT_ONCE) this.add(mode, Math.min(mode + AT_ONCE, to), sign);
+    this.count = count;
   }
 
   private restart(): void {
@@ -28,28 +30,23 @@ export class Rebuilt {
     this.count = 0;
   }
 
-  private add(mode: number, sign: number): void {
+  /** Adds the harmonics `from` to `to`, at most `AT_ONCE` of them; one that is lacking weighs nothing. */
+  private add(from: number, to: number, sign: number): void {
     const { modes, modeScales, nVertices } = this.surface;
     const { coefficients, nColumns } = this.signal;
-    const row = modes.subarray(mode * nVertices, (mode + 1) * nVertices);
-    const factor = sign * modeScales[mode];
-    if (nColumns === 3)
-      addVectors(this.values, row, [0, 1, 2].map((c) => factor * coefficients[3 * mode + c]));
-    else addNumbers(this.values, row, factor * coefficients[mode]);
+    const rows = Array.from({ length: AT_ONCE }, (_, i) => Math.min(from + i, to - 1) * nVertices).map((start) => modes.subarray(start, start + nVertices));
+    for (let column = 0; column < nColumns; column += 1) {
+      const weights = rows.map((_, i) => (from + i < to ? sign * modeScales[from + i] * coefficients[nColumns * (from + i) + column] : 0));
+      addRows(this.values, column, nColumns, rows, weights);
+    }
   }
 }
 
-function addNumbers(to: Float64Array, row: Int16Array, factor: number): void {
-  for (let i = 0; i < row.length; i += 1) to[i] += factor * row[i];
-}
+/** Harmonics added in one go through the vertices: the sums are read and written once for all of them. */
+const AT_ONCE = 4;
 
-function addVectors(to: Float64Array, row: Int16Array, [x, y, z]: number[]): void {
-  for (let i = 0, at = 0; i < row.length; i += 1, at += 3) {
-    const value = row[i];
-    to[at] += x * value;
-    to[at + 1] += y * value;
-    to[at + 2] += z * value;
-  }
+function addRows(to: Float64Array, first: number, stride: number, [a, b, c, d]: Int16Array[], [wa, wb, wc, wd]: number[]): void {
+  for (let i = 0, at = first; i < a.length; i += 1, at += stride) to[at] += wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i];
 }
 
 /** Distance of each rebuilt value, or position, from the original; NaN where unsampled. */

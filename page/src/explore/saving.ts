@@ -1,4 +1,6 @@
 /** Pictures and tables to keep. */
+import { cssColour } from "../colour/palettes";
+import { UNKNOWN } from "../colour/scale";
 import { csvText, h, saveFile } from "../dom";
 import type { Stage } from "../scene/stage";
 import type { SurfaceCase } from "../surfacecase";
@@ -45,33 +47,41 @@ export function saveSpectrum(surface: SurfaceCase): void {
   saveFile(`${fileStem(surface)}_spectrum.csv`, csvText([head, ...rows]), "text/csv");
 }
 
-/** The pictures with their captions and what the colours mean. */
+/** The pictures with their captions, and the colour bars beside them that say what colours mean. */
 export function savePicture(stage: Stage, surface: SurfaceCase, words: readonly string[], bars: readonly Element[]): void {
   const style = getComputedStyle(document.documentElement);
   const ground = style.getPropertyValue("--stage").trim();
-  const picture = stage.snapshot(ground);
-  const ratio = picture.width / Math.max(stage.element.clientWidth, 1);
+  const drawn = stage.snapshot(ground);
+  const inside = stage.element.getBoundingClientRect();
+  const ratio = drawn.width / Math.max(inside.width, 1);
+  const boxes = [inside, ...bars.map((bar) => bar.getBoundingClientRect())];
+  const [left, top] = [Math.min(...boxes.map((box) => box.left)), Math.min(...boxes.map((box) => box.top))];
+  const [right, bottom] = [Math.max(...boxes.map((box) => box.right)), Math.max(...boxes.map((box) => box.bottom))];
+  const picture = h("canvas", { width: Math.round((right - left) * ratio), height: Math.round((bottom - top) * ratio) });
   const pen = picture.getContext("2d") as CanvasRenderingContext2D;
+  pen.scale(ratio, ratio);
+  pen.fillStyle = ground;
+  pen.fillRect(0, 0, right - left, bottom - top);
+  pen.translate(-left, -top);
+  pen.drawImage(drawn, inside.left, inside.top, inside.width, inside.height);
   pen.fillStyle = style.getPropertyValue("--ink").trim();
-  pen.font = `600 ${13 * ratio}px system-ui, sans-serif`;
-  stage.captionPlaces().forEach(({ text, x, y }) => pen.fillText(text, x * ratio, y * ratio));
-  pen.font = `${12 * ratio}px system-ui, sans-serif`;
-  words.forEach((line, i) => pen.fillText(line, 12 * ratio, picture.height - (10 + 16 * (words.length - 1 - i)) * ratio));
-  const base = stage.element.getBoundingClientRect();
-  void Promise.all(bars.map((bar) => drawBar(pen, bar, base, ratio))).then(() => {
+  pen.font = "600 13px system-ui, sans-serif";
+  stage.captionPlaces().forEach(({ text, x, y }) => pen.fillText(text, inside.left + x, inside.top + y));
+  pen.font = "12px system-ui, sans-serif";
+  words.forEach((line, i) => pen.fillText(line, left + 12, bottom - 10 - 16 * (words.length - 1 - i)));
+  void Promise.all(bars.map((bar) => drawBar(pen, bar))).then(() => {
     picture.toBlob((blob) => blob && saveFile(`${fileStem(surface)}.png`, blob, "image/png"));
   });
 }
 
-/** Draws a colour bar of the page where it stands; its colours are spelt out for the picture. */
-async function drawBar(pen: CanvasRenderingContext2D, bar: Element, base: DOMRect, ratio: number): Promise<void> {
+/** Draws a colour bar where it stands on the page; its colours are spelt out for the picture. */
+async function drawBar(pen: CanvasRenderingContext2D, bar: Element): Promise<void> {
   const drawing = bar.querySelector("svg[role=img]");
   if (!drawing) return;
   const copy = drawing.cloneNode(true) as SVGElement;
   const ink = getComputedStyle(bar).color;
   for (const text of copy.querySelectorAll("text")) {
     text.setAttribute("fill", ink);
-    text.setAttribute("font", "11px sans-serif");
     text.setAttribute("font-family", "system-ui, sans-serif");
     text.setAttribute("font-size", "11");
   }
@@ -82,10 +92,26 @@ async function drawBar(pen: CanvasRenderingContext2D, bar: Element, base: DOMRec
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   await image.decode();
   const box = drawing.getBoundingClientRect();
-  pen.drawImage(image, (box.left - base.left) * ratio, (box.top - base.top) * ratio, box.width * ratio, box.height * ratio);
-  const title = bar.querySelector("figcaption");
-  if (!title) return;
-  const place = title.getBoundingClientRect();
-  pen.font = `${12 * ratio}px system-ui, sans-serif`;
-  pen.fillText(title.textContent ?? "", (place.left - base.left) * ratio, (place.bottom - base.top - 3) * ratio);
+  pen.drawImage(image, box.left, box.top, box.width, box.height);
+  for (const words of bar.querySelectorAll(".bar-title, .unit, .bar-unknown")) drawWords(pen, words);
+  const grey = bar.querySelector(".bar-unknown rect")?.getBoundingClientRect();
+  if (!grey) return;
+  pen.save();
+  pen.fillStyle = cssColour(UNKNOWN);
+  pen.fillRect(grey.left, grey.top, grey.width, grey.height);
+  pen.restore();
+}
+
+/** Draws the words of an element line by line, as the page has broken them. */
+function drawWords(pen: CanvasRenderingContext2D, element: Element): void {
+  const { font } = getComputedStyle(element);
+  pen.font = font;
+  const text = [...element.childNodes].find((node) => node.nodeType === Node.TEXT_NODE);
+  const range = document.createRange();
+  for (const { 0: word, index } of (text?.textContent ?? "").matchAll(/\S+/g)) {
+    range.setStart(text as Node, index);
+    range.setEnd(text as Node, index + word.length);
+    const place = range.getBoundingClientRect();
+    pen.fillText(word, place.left, place.bottom - 0.22 * place.height);
+  }
 }

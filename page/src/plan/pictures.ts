@@ -1,11 +1,11 @@
 /** The pictures: the map, and beside it how sure it is, or how fine a map the samples support. */
 import { ColourBar } from "../colour/bar";
 import { roundSteps, scaleOf, type ColourScale, type PaletteName } from "../colour/scale";
-import { h } from "../dom";
+import { fill, h, svg } from "../dom";
 import type { Pane } from "../scene/pane";
 import { Stage, type PickedInPane } from "../scene/stage";
 import type { SurfaceCase } from "../surfacecase";
-import type { Live } from "./live";
+import type { Live, LiveState } from "./live";
 import type { Truth } from "./values";
 
 export type Beside = "uncertainty" | "wavelength" | "error" | "truth" | "none";
@@ -20,6 +20,12 @@ export const BESIDE: readonly (readonly [Beside, string])[] = [
 const SAMPLE: readonly [number, number, number] = [22, 26, 30];
 const NEXT: readonly [number, number, number] = [232, 62, 140];
 const PLANNED: readonly [number, number, number] = [255, 255, 255];
+
+const LEGEND: readonly (readonly [layer: string, words: string, colour: readonly [number, number, number]])[] = [
+  ["samples", "sample", SAMPLE],
+  ["planned", "planned", PLANNED],
+  ["next", "next best", NEXT],
+];
 
 export interface Shown {
   readonly beside: Beside;
@@ -39,8 +45,10 @@ export class Pictures {
   private right: Pane | null = null;
   private readonly bar = new ColourBar();
   private readonly secondBar = new ColourBar();
+  private readonly legend = h("p", { class: "points-legend" });
   private mapScale: ColourScale | null = null;
   private scaledFor = "";
+  private shownState: LiveState | null = null;
 
   constructor(
     private readonly surface: SurfaceCase,
@@ -50,6 +58,7 @@ export class Pictures {
     this.element = h("div", { class: "stages" }, this.bar.element, host, this.secondBar.element);
     this.stage = new Stage(host, "The map. Click on it to take a sample", surface.space);
     this.stage.picked = picked;
+    host.append(this.legend);
     this.left = this.stage.addPane();
     this.left.setSurface(surface.positions, surface.faces);
   }
@@ -58,6 +67,8 @@ export class Pictures {
   show(live: Live, shown: Shown): void {
     this.beside(shown.beside !== "none");
     const { state } = live;
+    if (state !== this.shownState) this.stage.moving();
+    this.shownState = state;
     const map = state?.mean ?? null;
     const scale = map && state ? this.scale(map, state.values, state.cycle_length_ms, shown) : null;
     const unit = state?.unit ?? "";
@@ -65,13 +76,14 @@ export class Pictures {
     this.left.setCaption(map ? `Map from ${state?.n_taken} samples` : "No map yet");
     this.bar.show(map ? scale : null, (state?.name ?? "").replaceAll("_", " "), unit);
     if (this.right) this.showRight(this.right, live, shown, scale);
+    const seen = { samples: Boolean(state?.positions.length), planned: Boolean(shown.planned?.length), next: Boolean(state) && shown.showNext };
+    fill(this.legend, ...LEGEND.filter(([layer]) => seen[layer as keyof typeof seen]).map(([, words, colour]) => h("span", {}, disc(colour), words)));
     for (const pane of [this.left, ...(this.right ? [this.right] : [])]) {
       pane.setPoints("planned", shown.planned && { positions: shown.planned, colours: PLANNED, size: 8 });
       pane.setPoints("samples", state && { positions: state.positions, colours: SAMPLE, size: 8 });
       const next = state && shown.showNext ? Float32Array.from(state.next) : new Float32Array(0);
       pane.setPoints("next", { positions: next, colours: NEXT, size: 13 });
     }
-    this.stage.draw();
   }
 
   dispose(): void {
@@ -119,12 +131,19 @@ export class Pictures {
     if (!this.mapScale || this.scaledFor !== key)
       this.mapScale = this.ownScale(shown.truth?.values ?? Float32Array.from([...samples, ...range(map)]), shown.palette);
     this.scaledFor = key;
-    return (this.mapScale = { ...this.mapScale, palette: shown.palette });
+    if (this.mapScale.palette !== shown.palette) this.mapScale = { ...this.mapScale, palette: shown.palette };
+    return this.mapScale;
   }
 
   private ownScale(values: Float32Array, palette: PaletteName): ColourScale {
     return { ...scaleOf(values, palette), lines: true };
   }
+}
+
+/** A disc as the pictures draw it. */
+function disc(colour: readonly [number, number, number]): SVGElement {
+  const rim = colour === PLANNED ? "#141414" : "#ffffff";
+  return svg("svg", { width: 14, height: 14, "aria-hidden": "true" }, svg("circle", { cx: 7, cy: 7, r: 5, fill: `rgb(${colour.join(",")})`, stroke: rim, "stroke-width": 2 }));
 }
 
 function range(map: Float32Array): number[] {

@@ -8,6 +8,8 @@ import { Planner } from "./planner";
 export function mountPlan(root: HTMLElement, app: App): MountedView {
   let planner: Planner | null = null;
   let restoring: unknown = null;
+  /** A table that came before the view was ready for it. */
+  let waiting: File | null = null;
   app.onSurface((surface) => {
     planner?.dispose();
     planner = null;
@@ -17,6 +19,8 @@ export function mountPlan(root: HTMLElement, app: App): MountedView {
       await planner.live.refresh();
       if (restoring) planner.restore(restoring);
       restoring = null;
+      if (waiting) void planner.loadTable(waiting);
+      waiting = null;
       root.dataset["ready"] = "true";
     });
   });
@@ -36,9 +40,10 @@ export function mountPlan(root: HTMLElement, app: App): MountedView {
     },
     dropped: (files) => {
       const table = files.find((file) => /\.(csv|txt|tsv)$/i.test(file.name));
-      if (!table || !planner) return false;
+      if (!table || !app.surface) return false;
       app.show("plan");
-      void planner.loadTable(table);
+      if (planner) void planner.loadTable(table);
+      else waiting = table;
       return true;
     },
     keys: [

@@ -24,6 +24,8 @@ import { Wanted, type Choices, type SavedWanted } from "./wanted";
 
 const PALETTES: readonly PaletteName[] = ["viridis", "cividis", "classic"];
 
+const ABOUT = "The map the samples give, and how sure it is: click to take one";
+
 interface Planned {
   readonly document: PlanDocument;
   readonly positions: Float32Array;
@@ -43,7 +45,7 @@ interface SavedPlan {
 export class Planner {
   readonly live: Live;
   readonly pictures: Pictures;
-  /** Milliseconds from the last click to the map drawn. */
+  /** Milliseconds from the last click to the pixels of the map being there. */
   lastClickMs = NaN;
   private plan: Planned | null = null;
   private readonly wanted: Wanted;
@@ -198,7 +200,7 @@ export class Planner {
         ),
       ),
     );
-    const views = new ViewBar(this.surface.space, (name) => this.pictures.stage.look(name), () => {
+    const views = new ViewBar(this.surface.space, ABOUT, (name) => this.pictures.stage.look(name), () => {
       this.pictures.stage.orbit.reset();
       this.pictures.stage.draw();
     });
@@ -234,11 +236,10 @@ export class Planner {
   private async clicked(place: PickedInPane): Promise<void> {
     const { faces } = this.surface;
     const corners = [0, 1, 2].map((corner) => faces[3 * place.face + corner]);
-    const begun = performance.now();
     await this.takeAt(place.position, corners, place.weights);
     await new Promise(requestAnimationFrame);
     this.pictures.stage.finish();
-    this.lastClickMs = performance.now() - begun;
+    this.lastClickMs = performance.now() - place.time;
   }
 
   private async takeAt(position: readonly number[], corners: readonly number[], weights: readonly number[]): Promise<void> {

@@ -25,7 +25,7 @@ export class ValueSource {
     this.noise = new NumberField("Noise of a value", changed, { min: 0, unit: " " });
     this.noise.input.placeholder = "unknown";
     this.cycle = new NumberField("Cycle length", changed, { unit: "ms", min: 0 });
-    this.cycle.input.placeholder = "does not wrap";
+    this.cycle.input.placeholder = "none";
     this.choice = new Choice("A click takes", () => {
       this.settle();
       changed();

@@ -26,7 +26,7 @@ const HALF = 17;
 export class OrientationCube {
   readonly element = svg("svg", { class: "cube", viewBox: "-32 -32 64 64", "aria-hidden": "true" });
   private space: string;
-  private turn = new Quaternion();
+  private readonly turn = new Quaternion();
 
   /** `look` is told the standard view of the side that was clicked. */
   constructor(space: string, look: (view: string) => void) {
@@ -39,11 +39,17 @@ export class OrientationCube {
 
   setSpace(space: string): void {
     this.space = space;
-    this.turnTo(this.turn);
+    this.draw();
   }
 
   turnTo(turn: Quaternion): void {
-    this.turn = turn;
+    if (this.element.childElementCount && turn.equals(this.turn)) return;
+    this.turn.copy(turn);
+    this.draw();
+  }
+
+  private draw(): void {
+    const { turn } = this;
     const seen = turn.clone().invert();
     const drawn = SIDES.flatMap((side) => {
       const normal = new Vector3(...side.normal).applyQuaternion(seen);

@@ -16,9 +16,9 @@ import {
 
 import type { ColourScale } from "../colour/scale";
 import { h } from "../dom";
-import { colourBy, surfaceMaterial } from "./material";
+import { colourBy, feature, surfaceMaterial } from "./material";
 import { vertexNormals } from "./normals";
-import { pointsObject, type PointsLayer } from "./points";
+import { alike, pointsObject, type PointsLayer } from "./points";
 
 export class Pane {
   readonly scene = new Scene();
@@ -26,15 +26,23 @@ export class Pane {
   positions = new Float32Array(0);
   faces: Uint32Array = new Uint32Array(0);
   readonly material: ShaderMaterial = surfaceMaterial();
+  /** Whether it looks otherwise than when it was last drawn. */
+  stale = true;
   private readonly geometry = new BufferGeometry();
   private readonly mesh = new Mesh(this.geometry, this.material);
-  private readonly layers = new Map<string, Points>();
+  private readonly layers = new Map<string, { layer: PointsLayer; object: Points }>();
   private readonly marks = new Group();
   private edges: LineSegments | null = null;
   private scale: ColourScale | null = null;
   private values: Float32Array | null = null;
+  private readonly changed: () => void;
 
-  constructor(private readonly changed: () => void) {
+  /** `changed` is called whenever it has become stale. */
+  constructor(changed: () => void) {
+    this.changed = () => {
+      this.stale = true;
+      changed();
+    };
     this.mesh.frustumCulled = false;
     this.scene.add(this.mesh, this.marks);
   }
@@ -73,6 +81,7 @@ export class Pane {
 
   /** Colours the surface by one value a vertex; NaN is grey, null leaves it bare. */
   setValues(values: Float32Array | null, scale: ColourScale | null): void {
+    if (values === this.values && scale === this.scale) return;
     this.values = values;
     this.setScale(scale);
   }
@@ -89,14 +98,18 @@ export class Pane {
   /** Points drawn as discs, by the layer's name; null takes the layer away. */
   setPoints(name: string, layer: PointsLayer | null): void {
     const before = this.layers.get(name);
+    const wanted = layer?.positions.length ? layer : null;
+    if (!before && !wanted) return;
+    if (before && wanted && alike(before.layer, wanted)) return;
     if (before) {
-      this.marks.remove(before);
-      before.geometry.dispose();
+      this.marks.remove(before.object);
+      before.object.geometry.dispose();
+      (before.object.material as ShaderMaterial).dispose();
       this.layers.delete(name);
     }
-    if (layer && layer.positions.length) {
-      const object = pointsObject(layer);
-      this.layers.set(name, object);
+    if (wanted) {
+      const object = pointsObject(wanted);
+      this.layers.set(name, { layer: wanted, object });
       this.marks.add(object);
     }
     this.changed();
@@ -104,7 +117,7 @@ export class Pane {
 
   /** Shades each face by itself, so that one sees the faces there are. */
   setFlat(on: boolean): void {
-    this.material.uniforms["flatly"].value = on ? 1 : 0;
+    feature(this.material, { FLAT: on });
     this.changed();
   }
 
@@ -131,13 +144,14 @@ export class Pane {
 
   cutBy(plane: Vector4, pixelRatio: number): void {
     this.material.uniforms["clip"].value = plane;
+    feature(this.material, { CUT: plane.x !== 0 || plane.y !== 0 || plane.z !== 0 });
     if (this.edges) {
       const normal = new Vector3(-plane.x, -plane.y, -plane.z);
       const cuts = normal.length() > 0;
       (this.edges.material as LineBasicMaterial).clippingPlanes = cuts ? [new Plane(normal, plane.w)] : null;
     }
-    for (const points of this.layers.values()) {
-      const { uniforms } = points.material as ShaderMaterial;
+    for (const { object } of this.layers.values()) {
+      const { uniforms } = object.material as ShaderMaterial;
       uniforms["clip"].value = plane;
       uniforms["ratio"].value = pixelRatio;
     }

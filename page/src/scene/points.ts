@@ -42,6 +42,17 @@ void main() {
   gl_FragColor = vec4(mix(vColour, rim, smoothstep(0.68, 0.78, r)), 1.0);
 }`;
 
+/** Whether two layers look the same. */
+export function alike(one: PointsLayer, other: PointsLayer): boolean {
+  const same = (a: ArrayLike<number>, b: ArrayLike<number>): boolean => {
+    if (a === b) return true;
+    if (a.length !== b.length) return false;
+    for (let i = 0; i < a.length; i += 1) if (a[i] !== b[i]) return false;
+    return true;
+  };
+  return one.size === other.size && one.through === other.through && same(one.colours, other.colours) && same(one.positions, other.positions);
+}
+
 /** How far points are lifted towards the viewer, mm, so that the surface does not cut them. */
 const LIFT_MM = 1.5;
 

@@ -1,4 +1,8 @@
-/** A stage: one canvas with one or more linked pictures side by side, one camera for all. */
+/** A stage: one canvas with one or more linked pictures side by side, one camera for all.
+ *
+ * Only pictures that changed are drawn anew. Where drawing takes long, pictures that move are drawn
+ * coarsely, and finely once they rest.
+ */
 import { Vector3, Vector4, WebGLRenderer } from "three";
 
 import { h, onceAFrame } from "../dom";
@@ -9,10 +13,18 @@ import { Orbit, type Outlook } from "./orbit";
 import { Pane } from "./pane";
 import { pick, type Picked } from "./picking";
 
+/** A stage rests when nothing has moved for so long after its last picture was drawn. */
+const REST_MS = 150;
+/** Drawing that takes longer is done coarsely while something moves. */
+const SLOW_MS = 25;
+const COARSE = 0.5;
+
 export interface PickedInPane extends Picked {
   readonly pane: Pane;
   /** Keys held while clicking. */
   readonly shiftKey: boolean;
+  /** When it was clicked, in milliseconds of `performance.now()`. */
+  readonly time: number;
 }
 
 export interface Cut {
@@ -40,9 +52,9 @@ export class Stage {
   hovered: ((place: PickedInPane | null, x: number, y: number) => void) | null = null;
   /** Called after each drawing. */
   drawn: (() => void) | null = null;
-  /** Draws with the next frame, unless it has been drawn by then. */
+  /** Draws all pictures with the next frame. */
   readonly draw = (): void => {
-    this.stale = true;
+    for (const pane of this.panes) pane.stale = true;
     this.drawSoon();
   };
   private readonly renderer: WebGLRenderer;
@@ -50,9 +62,14 @@ export class Stage {
   private readonly captions = h("div", { class: "pane-captions" });
   private readonly observer: ResizeObserver;
   private cut: Cut | null = null;
-  private stale = true;
+  /** Pixels of the page. */
+  private size = { width: 0, height: 0 };
+  private slow = false;
+  private coarse = false;
+  private restless = false;
+  private resting = 0;
   private readonly drawSoon = onceAFrame(() => {
-    if (this.stale) this.drawNow();
+    if (this.panes.some((pane) => pane.stale)) this.drawNow();
   });
 
   /** `label` says to screen readers what the picture is. `space` is "LPS" or "unknown". */
@@ -63,7 +80,7 @@ export class Stage {
       role: "application",
       "aria-label": `${label}. Arrow keys turn it, plus and minus zoom, R resets.`,
     });
-    this.renderer = new WebGLRenderer({ antialias: false, alpha: true, powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({ antialias: false, alpha: true, preserveDrawingBuffer: true, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
     this.renderer.localClippingEnabled = true;
     this.canvas = this.renderer.domElement;
@@ -73,21 +90,32 @@ export class Stage {
     this.element.append(hand, this.captions, this.cube.element);
     host.append(this.element);
     takeInHand(hand, this.orbit, {
-      moved: () => this.draw(),
+      moved: () => {
+        this.moving();
+        this.draw();
+      },
       clicked: (x, y, event) => {
-        const place = this.picked && this.placeAt(x, y, event.shiftKey);
+        const place = this.picked && this.placeAt(x, y, event);
         if (place) this.picked?.(place);
       },
-      hovered: (at) => this.hovered?.(at && this.placeAt(at.x, at.y, false), at?.x ?? 0, at?.y ?? 0),
+      hovered: (at) => this.hovered?.(at && this.placeAt(at.x, at.y), at?.x ?? 0, at?.y ?? 0),
     });
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.element);
     this.orbit.look(direction("AP"));
+    this.moving();
+  }
+
+  /** To be told before each step of what moves: a slider, a hand, samples. Nothing is drawn yet. */
+  moving(): void {
+    this.resolve(this.slow);
+    window.clearTimeout(this.resting);
+    this.restless = true;
   }
 
   /** Adds a picture to the right of the others. */
   addPane(caption = ""): Pane {
-    const pane = new Pane(this.draw);
+    const pane = new Pane(this.drawSoon);
     pane.setCaption(caption);
     this.panes.push(pane);
     this.captions.append(pane.caption);
@@ -140,24 +168,26 @@ export class Stage {
     this.draw();
   }
 
-  /** Draws at once; `draw` waits for the next frame, which is what one mostly wants. */
+  /** Draws what is stale at once; with the next frame it is drawn anyway. */
   drawNow(): void {
     const { renderer } = this;
-    const { height } = this.size();
-    this.stale = false;
+    const { height } = this.size;
     const plane = this.plane();
-    renderer.setScissorTest(false);
-    renderer.clear();
     renderer.setScissorTest(true);
     this.boxes().forEach((box, place) => {
+      const pane = this.panes[place];
+      if (!pane.stale) return;
       const bottom = height - box.top - box.height;
       renderer.setViewport(box.left, bottom, box.width, box.height);
       renderer.setScissor(box.left, bottom, box.width, box.height);
-      this.panes[place].cutBy(plane, renderer.getPixelRatio());
-      renderer.render(this.panes[place].scene, this.orbit.placed(box.width, box.height));
+      renderer.clear();
+      pane.cutBy(plane, renderer.getPixelRatio());
+      renderer.render(pane.scene, this.orbit.placed(box.width, box.height));
+      pane.stale = false;
     });
     this.cube.turnTo(this.orbit.turn);
     this.drawn?.();
+    if (this.restless) requestAnimationFrame(() => this.restSoon());
   }
 
   /** Waits until the picture last drawn is there. */
@@ -168,7 +198,7 @@ export class Stage {
 
   /** Waits until the pixels are there and returns a sum over them, for tests and timing. */
   pixels(): { sum: number; width: number; height: number } {
-    this.drawNow();
+    this.drawFinely();
     const gl = this.renderer.getContext();
     const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
     const bytes = new Uint8Array(4 * width * height);
@@ -180,7 +210,7 @@ export class Stage {
 
   /** The picture on a plain ground, for saving. */
   snapshot(ground: string): HTMLCanvasElement {
-    this.drawNow();
+    this.drawFinely();
     const copy = h("canvas", { width: this.canvas.width, height: this.canvas.height });
     const pen = copy.getContext("2d") as CanvasRenderingContext2D;
     pen.fillStyle = ground;
@@ -207,19 +237,16 @@ export class Stage {
   }
 
   dispose(): void {
+    window.clearTimeout(this.resting);
     this.observer.disconnect();
     for (const pane of [...this.panes]) this.removePane(pane);
     this.renderer.dispose();
     this.element.remove();
   }
 
-  private size(): { width: number; height: number } {
-    return { width: this.element.clientWidth, height: this.element.clientHeight };
-  }
-
   /** Places of the pictures on the stage, pixels of the page. */
   private boxes(): Box[] {
-    const { width, height } = this.size();
+    const { width, height } = this.size;
     const count = Math.max(this.panes.length, 1);
     const beside = width >= height;
     return this.panes.map((_, place) =>
@@ -230,9 +257,10 @@ export class Stage {
   }
 
   private resize(): void {
-    const { width, height } = this.size();
+    this.size = { width: this.element.clientWidth, height: this.element.clientHeight };
+    const { width, height } = this.size;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.pixelRatio());
     this.renderer.setSize(width, height);
     const boxes = this.boxes();
     this.panes.forEach((pane, place) => {
@@ -240,8 +268,42 @@ export class Stage {
       pane.caption.style.left = `${box.left}px`;
       pane.caption.style.top = `${box.top}px`;
       pane.caption.style.width = `${box.width}px`;
+      pane.stale = true;
     });
     this.drawNow();
+  }
+
+  /** Pixels of the canvas to one of the page. */
+  private pixelRatio(): number {
+    return Math.min(devicePixelRatio, 2) * (this.coarse ? COARSE : 1);
+  }
+
+  private resolve(coarse: boolean): void {
+    if (coarse === this.coarse) return;
+    this.coarse = coarse;
+    this.renderer.setPixelRatio(this.pixelRatio());
+    for (const pane of this.panes) pane.stale = true;
+  }
+
+  private drawFinely(): void {
+    this.resolve(false);
+    for (const pane of this.panes) pane.stale = true;
+    this.drawNow();
+  }
+
+  private restSoon(): void {
+    window.clearTimeout(this.resting);
+    this.resting = window.setTimeout(() => this.rest(), REST_MS);
+  }
+
+  /** Draws finely what was drawn coarsely, and learns how long drawing takes here. */
+  private rest(): void {
+    if (!this.element.isConnected || !this.size.width) return;
+    this.restless = false;
+    const begun = performance.now();
+    this.drawFinely();
+    this.finish();
+    this.slow = performance.now() - begun > SLOW_MS;
   }
 
   private plane(): Vector4 {
@@ -252,7 +314,7 @@ export class Stage {
     return new Vector4(normal[0], normal[1], normal[2], sign * this.cut.at);
   }
 
-  private placeAt(x: number, y: number, shiftKey: boolean): PickedInPane | null {
+  private placeAt(x: number, y: number, event?: PointerEvent): PickedInPane | null {
     const boxes = this.boxes();
     const place = boxes.findIndex(
       (box) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height,
@@ -268,6 +330,6 @@ export class Stage {
       { x: (2 * (x - box.left)) / box.width - 1, y: 1 - (2 * (y - box.top)) / box.height },
       (px, py, pz) => plane.x * px + plane.y * py + plane.z * pz <= plane.w,
     );
-    return found && { ...found, pane, shiftKey };
+    return found && { ...found, pane, shiftKey: event?.shiftKey ?? false, time: event?.timeStamp ?? performance.now() };
   }
 }

@@ -8,7 +8,7 @@ import { signed } from "./orientation";
 import type { VolumeInfo } from "./segment";
 import type { Look } from "./state";
 import { TOOLS, type Tool, type ToolName } from "./tools";
-import type { Trial } from "./trials";
+import type { Trial, Trials } from "./trials";
 import { VerdictPanel } from "./verdict";
 
 export interface Actions {
@@ -19,8 +19,8 @@ export interface Actions {
   goTo(place: Vec3): void;
   zoom(factor: number): void;
   whole(): void;
-  segment(): void;
   accept(): void;
+  savePicture(): void;
 }
 
 const FILES = [
@@ -47,7 +47,6 @@ export class Controls {
   private readonly facts = new Facts();
   private readonly undo: HTMLButtonElement;
   private readonly redo: HTMLButtonElement;
-  private readonly segment: HTMLButtonElement;
   private readonly acceptButton: HTMLButtonElement;
   private readonly command = h("code", { class: "command", tabindex: 0 });
   private readonly files: HTMLButtonElement[];
@@ -73,8 +72,7 @@ export class Controls {
     this.verdict = new VerdictPanel((place) => actions.goTo(place), () => this.enable());
     this.undo = button("Undo", () => history.undo(), { title: "Ctrl Z" });
     this.redo = button("Redo", () => history.redo(), { title: "Ctrl Y" });
-    this.segment = button("Segment", () => actions.segment(), { kind: "primary", title: "Find the atrium at full resolution" });
-    this.acceptButton = button("Accept", () => actions.accept(), { kind: "primary", title: "Draw the surface and open it" });
+    this.acceptButton = button("Accept", () => actions.accept(), { kind: "primary", title: "Draw the surface of the preview and open it" });
     this.files = FILES.map(([name, type]) => button(name, () => void this.save(name, type), { kind: "small", title: `Save ${name} of the accepted atrium` }));
     this.element = this.laidOut();
     this.choose("look");
@@ -123,11 +121,11 @@ export class Controls {
   }
 
   /** Shows the edits and the trial; `current` tells whether it is of these very edits. */
-  show(trial: Trial | null, current: boolean, busy: boolean): void {
+  show(trial: Trial | null, current: boolean, trials: Trials): void {
     const { history } = this.actions;
     const edits = history.now;
     this.shownTrial = current ? trial : null;
-    this.verdict.show(trial?.document ?? null, kindOf(trial, current, busy));
+    this.verdict.show(trial?.document ?? null, kindOf(trial, current, trials));
     const found = trial?.document.thresholds_hu;
     this.lower.show(edits.lower_hu, found?.lower);
     this.upper.show(edits.upper_hu, found?.upper);
@@ -145,9 +143,8 @@ export class Controls {
 
   private enable(): void {
     const document = this.shownTrial?.document;
-    const usable = document !== undefined && !document.preview && document.verdict !== "refused";
+    const usable = document !== undefined && !document.sketch && document.verdict !== "refused";
     this.acceptButton.disabled = !usable || !this.verdict.cleared;
-    this.segment.disabled = document !== undefined && !document.preview;
   }
 
   private listCuts(edits: Edits): void {
@@ -194,7 +191,7 @@ export class Controls {
       section(
         "Left atrium",
         this.verdict.element,
-        h("div", { class: "buttons" }, this.segment, this.acceptButton, this.undo, this.redo),
+        h("div", { class: "buttons" }, this.acceptButton, this.undo, this.redo),
       ),
       section("Thresholds", this.lower.element, this.upper.element),
       section(
@@ -220,6 +217,7 @@ export class Controls {
           button("+", () => this.actions.zoom(1.25), { kind: "small", title: "Closer" }),
           button("−", () => this.actions.zoom(0.8), { kind: "small", title: "Farther" }),
           button("Whole", () => this.actions.whole(), { kind: "small" }),
+          button("Picture (PNG)", () => this.actions.savePicture(), { kind: "small", title: "Save the three planes as they are" }),
         ),
       ),
       section(
@@ -271,11 +269,13 @@ function line(label: string, value: HTMLElement, action: HTMLElement): HTMLEleme
   return h("div", { class: "line" }, h("span", { class: "line-label" }, label), value, action);
 }
 
-function kindOf(trial: Trial | null, current: boolean, busy: boolean): string {
+function kindOf(trial: Trial | null, current: boolean, { busy, stage }: Trials): string {
   if (!trial) return busy ? "looking …" : "";
-  const { preview, step_mm } = trial.document;
-  const what = preview ? `preview${step_mm ? ` at ${step_mm} mm` : ""}` : `result${step_mm ? ` at ${step_mm} mm` : ""}`;
-  return current ? what : `${what}, being updated …`;
+  const { sketch, step_mm } = trial.document;
+  const what = `${sketch ? "sketch" : "preview"}${step_mm ? ` at ${step_mm} mm` : ""}`;
+  if (!current) return `${what}, being updated …`;
+  if (!sketch || !busy) return what;
+  return stage ? `${what}, preview: ${stage.stage} …` : `${what}, preview follows …`;
 }
 
 function regionWords(edits: Edits): string {

@@ -75,6 +75,11 @@ export class SlicePlane {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
+  /** The plane, where it lies and the value at the cross, in words. */
+  get caption(): string {
+    return `${this.plane.title}, ${this.where.textContent ?? ""}`;
+  }
+
   /** Draws anew with the next frame. */
   refresh(): void {
     this.draw();

@@ -10,9 +10,11 @@ import { ORIENTATIONS } from "./orientation";
 import { regionBox } from "./outlines";
 import type { Overlay } from "./picture";
 import { SlicePlane } from "./plane";
+import { savePlanes } from "./saving";
 import type { Look, Scene } from "./state";
 import { Tool, TOOLS } from "./tools";
 import { Trials, type Trial } from "./trials";
+import { colourOf } from "./verdict";
 
 /** As the server describes the CT. */
 export interface VolumeInfo {
@@ -24,14 +26,12 @@ export interface VolumeInfo {
   readonly shown_origin_mm: Vec3;
   readonly orientation_known: boolean;
   readonly remarks: readonly string[];
+  readonly sketch_step_mm: number;
   readonly preview_step_mm: number;
-  readonly result_step_mm: number;
   /** Whether an atrium of this CT has been accepted. */
   readonly accepted: boolean;
 }
 
-const RESULT: Vec3 = [255, 210, 63];
-const PREVIEW: Vec3 = [92, 184, 209];
 /** Half the sides of the box about the seed whose histogram is shown where no region is, mm. */
 const AROUND: Vec3 = [75, 60, 65];
 
@@ -62,6 +62,8 @@ class SegmentView implements MountedView {
   private volume: Lattice<Int16Array> | null = null;
   private opened: VolumeInfo | null = null;
   private following = true;
+  /** Key of the preview last read out. */
+  private said: string | undefined;
   private beginning: Promise<void> | null = null;
 
   constructor(
@@ -77,8 +79,8 @@ class SegmentView implements MountedView {
       goTo: (place) => this.goTo(place),
       zoom: (factor) => this.zoom(factor, this.look.crosshair),
       whole: () => this.whole(),
-      segment: () => void this.segment(),
       accept: () => void this.accept(),
+      savePicture: () => savePlanes(this.planes, this.words()),
     });
     root.addEventListener("keydown", (event) => this.shortcut(event));
     app.onChange(() => this.reopened());
@@ -174,29 +176,35 @@ class SegmentView implements MountedView {
     };
   }
 
-  /** The result of the edits as they are, else the latest preview. */
+  /** The preview of the edits as they are, else the latest sketch. */
   private shownTrial(): Trial | null {
-    return this.trials.result(this.history.now) ?? this.trials.preview;
+    return this.trials.preview(this.history.now) ?? this.trials.sketch;
   }
 
   private overlay(shown: Trial | null): Overlay | null {
     if (!shown?.mask || !this.controls.overlays) return null;
-    return { mask: shown.mask, colour: shown.document.preview ? PREVIEW : RESULT };
+    return { mask: shown.mask, colour: colourOf(shown.document) };
   }
 
   private edited(): void {
     if (!this.volume) return;
-    if (!this.trials.result(this.history.now)) this.trials.wish(this.history.now);
+    this.trials.wish(this.history.now);
     this.redraw();
   }
 
   private tried(): void {
-    const seed = this.shownTrial()?.document.seed;
+    const shown = this.shownTrial();
+    const seed = shown?.document.seed;
     if (seed && this.following) {
       this.following = false;
       this.look.crosshair = seed.position_mm;
       this.look.middle = seed.position_mm;
       if (this.volume) this.look.zoom = Math.max((Math.max(...this.volume.shape) * this.volume.step) / 170, 1);
+    }
+    const { key, sketch, verdict, volume_ml } = shown?.document ?? {};
+    if (sketch === false && key !== this.said) {
+      this.said = key;
+      this.app.announce(verdict === "refused" ? "No atrium was found" : `${volume_ml?.toFixed(1)} ml, verdict ${verdict}`);
     }
     this.redraw();
   }
@@ -206,8 +214,8 @@ class SegmentView implements MountedView {
     if (!volume) return;
     for (const plane of this.planes) plane.refresh();
     const shown = this.shownTrial();
-    const current = shown?.edits === editsKey(this.history.now) && !(shown.document.preview && this.trials.busy);
-    this.controls.show(shown, current, this.trials.busy);
+    const current = shown?.edits === editsKey(this.history.now);
+    this.controls.show(shown, current, this.trials);
     this.histogram.show(volume, this.box(shown), levels(this.history.now, shown));
   }
 
@@ -224,15 +232,8 @@ class SegmentView implements MountedView {
     return [end(-1), end(1)];
   }
 
-  private async segment(): Promise<void> {
-    const trial = await this.trials.segment(this.history.now);
-    if (!trial) return;
-    const { verdict, volume_ml } = trial.document;
-    this.app.announce(verdict === "refused" ? "No atrium was found" : `${volume_ml?.toFixed(1)} ml, verdict ${verdict}`);
-  }
-
   private async accept(): Promise<void> {
-    const trial = this.trials.result(this.history.now);
+    const trial = this.trials.preview(this.history.now);
     if (!trial) return;
     const done = await this.app.work<{ volume_ml: number }>("Drawing the surface", "/api/segment/accept", {
       key: trial.document.key,
@@ -242,6 +243,13 @@ class SegmentView implements MountedView {
     await this.app.attempt(() => this.app.refreshSession());
     this.app.toast(`Accepted: a closed surface of ${done.volume_ml.toFixed(1)} ml is open in Explore and Plan`, "good");
     this.app.show("explore");
+  }
+
+  /** What the slices show, for a picture of them. */
+  private words(): string {
+    const { volume_ml, sketch } = this.shownTrial()?.document ?? {};
+    const found = volume_ml === undefined ? "" : `Left atrium, ${volume_ml.toFixed(1)} ml (${sketch ? "sketch" : "preview"}). `;
+    return `${found}For research use only.`;
   }
 
   // What hands and keys on the planes do.

@@ -1,5 +1,6 @@
-/** Segmentations the server has tried: previews one after the other, results on demand. */
-import { inWords, type App } from "../app";
+/** Segmentations the server has tried: a coarse sketch at once, then the preview, which is the result. */
+import { inWords, pause, type App } from "../app";
+import type { Stage } from "../connection";
 import { editsKey, type Edits } from "./edits";
 import { Lattice, type Vec3 } from "./lattice";
 
@@ -14,7 +15,8 @@ export interface Reason {
 /** As the server describes a trial. */
 export interface TrialDocument {
   readonly key: string;
-  readonly preview: boolean;
+  /** Whether it was found on a coarse lattice; else it is what Accept takes. */
+  readonly sketch: boolean;
   readonly verdict: "ok" | "check" | "refused";
   readonly reasons: readonly Reason[];
   readonly volume_ml?: number;
@@ -37,16 +39,23 @@ export interface Trial {
   readonly mask: Lattice<Uint8Array> | null;
 }
 
-const RESULTS_KEPT = 8;
+const PREVIEWS_KEPT = 8;
+/** A preview is begun once the choices have rested for so long. */
+const QUIET_MS = 250;
 
 export class Trials {
-  /** The preview shown last, of these edits or of earlier ones. */
-  preview: Trial | null = null;
-  /** Whether a preview is under way. */
+  /** The sketch shown last, of these edits or of earlier ones. */
+  sketch: Trial | null = null;
+  /** Whether a sketch or a preview is under way. */
   busy = false;
-  private readonly results = new Map<string, Trial>();
+  /** How far the preview is that is under way. */
+  stage: Stage | null = null;
+  private readonly previews = new Map<string, Trial>();
   private wished: Edits | null = null;
   private readonly last = new AbortController();
+  /** What is being tried, and how to give its preview up. */
+  private underWay = "";
+  private stop = new AbortController();
 
   constructor(
     private readonly app: App,
@@ -57,53 +66,64 @@ export class Trials {
   close(): void {
     this.wished = null;
     this.last.abort();
+    this.stop.abort();
   }
 
-  /** The result of these edits, if it was found before. */
-  result(edits: Edits): Trial | null {
-    return this.results.get(editsKey(edits)) ?? null;
+  /** The preview of these edits, if it was found before. */
+  preview(edits: Edits): Trial | null {
+    return this.previews.get(editsKey(edits)) ?? null;
   }
 
-  /** Wants a preview of these edits. While one is under way only the latest wish waits. */
+  /** Wants these edits tried. While something is under way only the latest wish waits. */
   wish(edits: Edits): void {
-    this.wished = edits;
-    if (!this.busy) void this.run();
-  }
-
-  /** Finds the result; null if it was cancelled. */
-  async segment(edits: Edits): Promise<Trial | null> {
-    const document = await this.app.work<TrialDocument>("Segmenting", "/api/segment/result", { config: edits });
-    if (!document) return null;
-    const trial = await this.app.attempt(() => this.taken(edits, document));
-    if (!trial) return null;
-    this.results.set(trial.edits, trial);
-    for (const key of this.results.keys()) if (this.results.size > RESULTS_KEPT) this.results.delete(key);
-    this.changed();
-    return trial;
+    if (editsKey(edits) === this.underWay && !this.stop.signal.aborted) return;
+    this.stop.abort();
+    this.wished = this.preview(edits) ? null : edits;
+    if (this.wished && !this.busy) void this.run();
   }
 
   private async run(): Promise<void> {
     this.busy = true;
     this.changed();
-    let fault: unknown;
     while (this.wished) {
       const edits = this.wished;
       this.wished = null;
-      if (this.preview?.edits === editsKey(edits)) continue;
+      this.stop = new AbortController();
+      this.underWay = editsKey(edits);
       try {
-        const { signal } = this.last;
-        const document = await this.app.send<TrialDocument>("/api/segment/preview", { config: edits }, { signal });
-        this.preview = await this.taken(edits, document);
-        fault = undefined;
-      } catch (caught) {
-        fault = caught;
+        await this.sketched(edits);
+        await this.previewed(edits, this.stop.signal);
+      } catch (fault) {
+        const given = fault instanceof DOMException && fault.name === "AbortError";
+        if (!given && !this.wished) this.app.toast(inWords(fault), "bad");
       }
-      if (!this.last.signal.aborted) this.changed();
+      this.stage = null;
+      this.underWay = "";
     }
     this.busy = false;
-    if (this.last.signal.aborted) return;
-    if (fault !== undefined) this.app.toast(inWords(fault), "bad");
+    if (!this.last.signal.aborted) this.changed();
+  }
+
+  private async sketched(edits: Edits): Promise<void> {
+    if (this.sketch?.edits === editsKey(edits)) return;
+    const { signal } = this.last;
+    const document = await this.app.send<TrialDocument>("/api/segment/sketch", { config: edits }, { signal });
+    const sketch = await this.taken(edits, document);
+    if (signal.aborted) return;
+    this.sketch = sketch;
     this.changed();
+  }
+
+  private async previewed(edits: Edits, signal: AbortSignal): Promise<void> {
+    await pause(QUIET_MS, signal);
+    const document = await this.app.background<TrialDocument>("/api/segment/preview", { config: edits }, signal, (stage) => {
+      this.stage = stage;
+      this.changed();
+    });
+    const preview = await this.taken(edits, document);
+    signal.throwIfAborted();
+    this.previews.set(preview.edits, preview);
+    for (const key of this.previews.keys()) if (this.previews.size > PREVIEWS_KEPT) this.previews.delete(key);
   }
 
   private async taken(edits: Edits, document: TrialDocument): Promise<Trial> {

@@ -10,10 +10,20 @@ const WORDS = {
   refused: "no atrium was found",
 } as const;
 
+const PREVIEW: Vec3 = [255, 210, 63];
+const SKETCH: Vec3 = [92, 184, 209];
+
+/** The colour a trial has in the slices. */
+export function colourOf(document: TrialDocument | null): Vec3 {
+  return document?.sketch ? SKETCH : PREVIEW;
+}
+
 export class VerdictPanel {
   readonly element: HTMLElement;
   private readonly volume = h("output", { class: "volume", "data-fact": "volume" }, "–");
   private readonly kind = h("span", { class: "volume-kind", "data-fact": "kind" });
+  /** In the colour the atrium has in the slices. */
+  private readonly swatch = h("span", { class: "volume-swatch", "aria-hidden": "true", hidden: true });
   private readonly chip = h("p", { class: "verdict", "data-fact": "verdict" });
   private readonly reasons = h("ul", { class: "reasons" });
   private readonly looked = h("input", { type: "checkbox", id: "looked" });
@@ -33,7 +43,7 @@ export class VerdictPanel {
     this.element = h(
       "div",
       { class: "verdict-panel" },
-      h("p", { class: "volume-line" }, this.volume, this.kind),
+      h("p", { class: "volume-line" }, this.volume, this.swatch, this.kind),
       this.chip,
       this.reasons,
       this.looking,
@@ -49,6 +59,8 @@ export class VerdictPanel {
     const { volume_ml } = document ?? {};
     this.volume.textContent = volume_ml === undefined ? "– ml" : `${volume_ml.toFixed(1)} ml`;
     this.kind.textContent = kind;
+    this.swatch.hidden = volume_ml === undefined;
+    this.swatch.style.background = `rgb(${colourOf(document).join(",")})`;
     const key = document ? `${document.key} ${document.verdict}` : "";
     if (key === this.shown) return;
     this.shown = key;
@@ -57,7 +69,7 @@ export class VerdictPanel {
     if (document) fill(this.chip, h("strong", {}, document.verdict), `: ${WORDS[document.verdict]}`);
     fill(this.reasons, ...(document?.reasons ?? []).map((reason) => this.reason(reason)));
     this.looked.checked = false;
-    this.looking.hidden = document?.preview !== false || document.verdict !== "check";
+    this.looking.hidden = document?.sketch !== false || document.verdict !== "check";
   }
 
   private reason(reason: Reason): HTMLElement {

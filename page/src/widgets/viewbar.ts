@@ -6,8 +6,8 @@ import { button } from "./panel";
 export class ViewBar {
   readonly element: HTMLElement;
 
-  /** `look` is told a view's name; `reset` that all of the surface is wanted. */
-  constructor(space: string, look: (name: string) => void, reset: () => void) {
+  /** `look` is told a view's name; `reset` that all of the surface is wanted; `about` says what one sees. */
+  constructor(space: string, about: string, look: (name: string) => void, reset: () => void) {
     const lps = space === "LPS";
     const buttons = DIRECTIONS.map(({ name, seenFrom }, place) =>
       button(name, () => look(name), {
@@ -22,6 +22,7 @@ export class ViewBar {
       ...buttons,
       button("Fit", reset, { kind: "small", title: "Show the whole surface (key R on the picture)" }),
       note,
+      h("span", { class: "view-about" }, about),
     );
   }
 }

@@ -1,6 +1,5 @@
 """The folder a study wrote, read back: its cases, Table 1, τ, and the cases that failed."""
 
-import base64
 import csv
 import json
 import math
@@ -13,12 +12,14 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.errors import FormatError
+from auricle.study.paper.packing import unpacked
 from auricle.surface.soup import TriangleSoup
 
 CASE_FORMAT = "auricle case 1"
 _LARGEST_FILE = 64 * 2**20
 _MOST_CASES = 20_000
-_LARGEST_ARRAY = 20_000_000
+_LARGEST_ARRAY = 27_000_000
+"""Letters of base64: 20 MB."""
 
 Row = Mapping[str, str | float | None]
 """A line of a table: numbers as numbers, what is empty or infinite as None."""
@@ -133,13 +134,10 @@ def _maps(maps: Sequence[Mapping[str, Any]], n_vertices: int) -> Iterator[tuple[
 
 
 def _array(document: Mapping[str, Any]) -> Floats:
-    """Whole steps in base64, as the study packs them."""
-    content = base64.b64decode(document["base64"], validate=True)
-    if len(content) > _LARGEST_ARRAY:
+    """What the study packed, if it is of a surface's size."""
+    if len(document["base64"]) > _LARGEST_ARRAY:
         raise ValueError("too large")
-    whole = np.frombuffer(content, dtype=np.dtype(str(document["kind"])))
-    scaled: Floats = whole.astype(np.float64).reshape(document["shape"]) * float(document["step"])
-    return scaled
+    return unpacked(document)
 
 
 def _document(place: Path) -> dict[str, Any]:

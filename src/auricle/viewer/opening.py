@@ -3,18 +3,23 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
+from auricle.electroanatomy.formats.carto import study_file
+from auricle.electroanatomy.formats.ensite import is_ensite
+from auricle.electroanatomy.formats.export_files import open_export
 from auricle.electroanatomy.study import ElectroanatomicStudy
 from auricle.errors import AuricleError, FormatError, InputError
+from auricle.imaging.image_files import is_image_file
 from auricle.imaging.recognition import is_volume
 from auricle.progress import Progress, silent
 from auricle.sampling.samples_file import read_samples
-from auricle.study.exports import TABLES, export_source, is_export, read_export
+from auricle.study.exports import ARCHIVES, TABLES, export_source, is_export, read_export
 from auricle.study.preparation import N_MODES, N_VERTICES, prepare_soup
 from auricle.study.provenance import source_of
 from auricle.study.result import Source
-from auricle.surface.reading import read_surface
+from auricle.surface.reading import READABLE, read_surface
 from auricle.viewer.cohort_files import is_cohort
 from auricle.viewer.cohort_session import cohort_session
 from auricle.viewer.open_case import OpenCase, OpenStudy, Recording, opens, recordings_of
@@ -92,9 +97,37 @@ def _opener(path: Path) -> Opener:
         return _result
     if is_volume(path):
         return _volume
+    if path.is_dir() and (alone := _only_case(path)):
+        return partial(_alone, alone)
     if path.suffix.lower() in TABLES:
         raise InputError("a table of points: open their surface first, then load the table there")
     return _export if is_export(path) else _surface
+
+
+def _only_case(folder: Path) -> Path | None:
+    """The one surface, CT or study among loose files; None of an export, or if there is none.
+
+    Raises
+    ------
+    InputError
+        If there are several.
+    """
+    with open_export(folder) as files:
+        if study_file(files) is not None or is_ensite(files):
+            return None
+    found = {
+        each.with_suffix("") if each.suffix.lower() in (".pts", ".elem") else each: each
+        for each in sorted(folder.iterdir())
+        if each.suffix.lower() in (*READABLE, *ARCHIVES) or is_image_file(each)
+    }
+    if len(found) > 1:
+        raise InputError(f"{len(found)} surfaces, CTs or studies: open one case at a time")
+    return next(iter(found.values()), None)
+
+
+def _alone(case: Path, _folder: Path, detail: Detail, progress: Progress) -> Opened:
+    """The one case of a folder, under its own name."""
+    return _opener(case)(case, detail, progress)
 
 
 def _surface(path: Path, detail: Detail, progress: Progress) -> Opened:
@@ -176,7 +209,7 @@ def _volume(path: Path, _detail: Detail, progress: Progress) -> Opened:
 
 
 def _export(path: Path, detail: Detail, progress: Progress) -> Opened:
-    """A vendor's export: the first map that has a surface, and the others to choose from."""
+    """A vendor's export: of the maps with a surface that of most points; others to choose from."""
     progress("read export", 0, 1)
     study = read_export(path, signals=False)
     source = export_source(path, study.system)
@@ -184,7 +217,8 @@ def _export(path: Path, detail: Detail, progress: Progress) -> Opened:
     numbers = [number for number, one in enumerate(study.maps, start=1) if opens(one)]
     if not numbers:
         raise InputError("no map of this export has a surface: export one with its mesh")
-    parts = chosen_map(study, source, numbers[0], detail, progress=progress)
+    fullest = max(numbers, key=lambda number: len(study.maps[number - 1].points))
+    parts = chosen_map(study, source, fullest, detail, progress=progress)
     return Opened(source.name, parts)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 from auricle import __version__
 from auricle.errors import InputError
 from auricle.progress import Progress
+from auricle.viewer.dropped_files import unpacked
 from auricle.viewer.endpoints import Call, Endpoint, Work
 from auricle.viewer.open_case import OpenStudy
 from auricle.viewer.opening import Detail, chosen_map, open_path
@@ -32,6 +33,22 @@ def open_upload(call: Call) -> Work:
     return Work(run)
 
 
+def open_dropped(call: Call) -> Work:
+    """Open a folder, or several files of one case, in place of what was open."""
+    packed, workspace = call.uploaded(), call.workspace
+
+    def run(progress: Progress) -> Mapping[str, Any]:
+        path = unpacked(packed, packed.parent / "files")
+        packed.unlink()
+        try:
+            open_path(workspace, path, workspace.find(Detail), progress=progress)
+        except InputError as fault:
+            raise InputError(str(fault).replace(str(path), "the dropped files")) from fault
+        return page(call)
+
+    return Work(run)
+
+
 def open_map(call: Call) -> Work:
     """Open another map of the export: ``{"number": 2}``."""
     number = call.document().get("number")
@@ -53,5 +70,6 @@ def open_map(call: Call) -> Work:
 ENDPOINTS = (
     Endpoint("GET", "/api/page", page),
     Endpoint("POST", "/api/open", open_upload, takes_file=True),
+    Endpoint("POST", "/api/open-dropped", open_dropped, takes_file=True),
     Endpoint("POST", "/api/map", open_map),
 )

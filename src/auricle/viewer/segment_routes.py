@@ -38,20 +38,20 @@ def voxels(call: Call) -> bytes:
     return np.ascontiguousarray(shown.voxels.transpose(2, 1, 0)).astype("<i2").tobytes()
 
 
-def preview(call: Call) -> Mapping[str, Any]:
+def sketch(call: Call) -> Mapping[str, Any]:
     """Segment on the coarse lattice with ``{"config": {…}}``, in about a second."""
     session = call.workspace.require(VolumeSession, _NO_VOLUME)
     config = config_of(call.document().get("config", {}))
-    return trial_document(session.trial(config, preview=True))
+    return trial_document(session.trial(config, sketch=True))
 
 
-def result(call: Call) -> Work:
-    """Segment with ``{"config": {…}}``; a refusal is an answer, not a fault."""
+def preview(call: Call) -> Work:
+    """Segment with ``{"config": {…}}`` as the command does; a refusal is an answer, no fault."""
     session = call.workspace.require(VolumeSession, _NO_VOLUME)
     config = config_of(call.document().get("config", {}))
 
     def run(progress: Progress) -> Mapping[str, Any]:
-        return trial_document(session.trial(config, preview=False, progress=progress))
+        return trial_document(session.trial(config, progress=progress))
 
     return Work(run)
 
@@ -66,7 +66,7 @@ def mask(call: Call) -> bytes:
 
 
 def accept(call: Call) -> Work:
-    """Take a result, ``{"key": …}``: its surface is opened beside the CT."""
+    """Take a preview, ``{"key": …}``: its surface is opened beside the CT."""
     workspace = call.workspace
     session = workspace.require(VolumeSession, _NO_VOLUME)
     key = str(call.document().get("key", ""))
@@ -86,7 +86,7 @@ def file(call: Call) -> bytes:
     case = call.workspace.require(VolumeSession, _NO_VOLUME).accepted
     name = call.path["name"]
     if case is None:
-        raise InputError("nothing has been accepted yet: segment and accept first")
+        raise InputError("nothing has been accepted yet: accept first")
     if name not in _FILES:
         raise InputError(f"no such file: choose {', '.join(_FILES)}")
     with tempfile.TemporaryDirectory(dir=call.workspace.folder) as folder:
@@ -128,7 +128,7 @@ def trial_document(found: Trial) -> dict[str, Any]:
     """A trial for the page: verdict, reasons, volume, thresholds, and where its mask lies."""
     document: dict[str, Any] = {
         "key": found.key,
-        "preview": found.preview,
+        "sketch": found.sketch,
         "verdict": "refused",
         "reasons": [],
     }
@@ -221,8 +221,8 @@ def _number(value: object) -> float:
 
 ENDPOINTS = (
     Endpoint("GET", "/api/segment/voxels", voxels),
+    Endpoint("POST", "/api/segment/sketch", sketch),
     Endpoint("POST", "/api/segment/preview", preview),
-    Endpoint("POST", "/api/segment/result", result),
     Endpoint("GET", "/api/segment/mask/{key}", mask),
     Endpoint("POST", "/api/segment/accept", accept),
     Endpoint("GET", "/api/segment/file/{name}", file),

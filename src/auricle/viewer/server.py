@@ -24,6 +24,7 @@ from starlette.types import ASGIApp
 
 from auricle.errors import AuricleError, OutputError
 from auricle.viewer.endpoints import LARGEST_DOCUMENT, Answer, Call, Endpoint, Work
+from auricle.viewer.file_names import plain_name
 from auricle.viewer.guard import Guard, Keys, content_policy
 from auricle.viewer.registry import ENDPOINTS
 from auricle.viewer.work_stream import lines
@@ -262,12 +263,8 @@ def _token_in(body: bytes) -> str:
 
 
 def _file_name(request: Request) -> str:
-    """The last part of the name the file had, without anything that could lead elsewhere."""
-    told = urllib.parse.unquote(request.headers.get("x-file-name", ""))
-    last = told.replace("\\", "/").rpartition("/")[2]
-    kept = "".join(letter for letter in last if letter.isprintable() and letter not in ':*?"<>|')
-    plain = kept.strip(". ")[-100:]
-    return plain or "upload"
+    """The name the uploaded file had, fit for this machine."""
+    return plain_name(urllib.parse.unquote(request.headers.get("x-file-name", "")))
 
 
 async def _refused(_request: Request, fault: Exception) -> Response:

@@ -21,15 +21,15 @@ from auricle.progress import Progress, silent
 from auricle.study.result import Source
 from auricle.study.segmented import SegmentationConfig, SegmentedCase, source_of_volume, surfaced
 
-PREVIEW_MM = 2.0
-"""Spacing of the lattice of a preview, mm."""
-RESULT_MM = SegmentationOptions().step
-"""Spacing of the lattice of a result, mm: that of the command."""
+SKETCH_MM = 2.0
+"""Spacing of the lattice of a sketch, mm: seen before the preview, in a fraction of its time."""
+PREVIEW_MM = SegmentationOptions().step
+"""Spacing of the lattice of a preview, mm: that of the command, for it is the result itself."""
 MOST_DRAWN = 12_000_000
 """Voxels the page draws slices from: 24 MB on the way to it."""
 FINEST_DRAWN_MM = 0.4
-_RESULTS_KEPT = 8
-_PREVIEWS_KEPT = 24
+_PREVIEWS_KEPT = 8
+_SKETCHES_KEPT = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,8 @@ class Trial:
         The same for the same parameters.
     config
         The parameters.
-    preview
-        Whether it was found on the coarse lattice.
+    sketch
+        Whether it was found on the coarse lattice; else it is what is accepted.
     found
         The segmentation; None if it was refused.
     refusal
@@ -52,7 +52,7 @@ class Trial:
 
     key: str
     config: SegmentationConfig
-    preview: bool
+    sketch: bool
     found: Segmentation | None
     refusal: SegmentationError | None = None
 
@@ -68,8 +68,8 @@ class VolumeSession:
         What the file is known by; of DICOM no name.
     shown
         What slices are drawn from: int16 HU, straight in LPS.
-    preview_mm, result_mm
-        Spacing of the lattices of a preview and of a result, mm.
+    sketch_mm, preview_mm
+        Spacing of the lattices of a sketch and of a preview, mm.
 
     Attributes
     ----------
@@ -83,14 +83,14 @@ class VolumeSession:
         source: Source,
         shown: Volume,
         *,
+        sketch_mm: float = SKETCH_MM,
         preview_mm: float = PREVIEW_MM,
-        result_mm: float = RESULT_MM,
     ) -> None:
         self.volume = volume
         self.source = source
         self.shown = shown
+        self.sketch_mm = sketch_mm
         self.preview_mm = preview_mm
-        self.result_mm = result_mm
         self.accepted: SegmentedCase | None = None
         self._trials: dict[bool, OrderedDict[str, Trial]] = {
             True: OrderedDict(),
@@ -118,23 +118,23 @@ class VolumeSession:
                 "range_hu": [float(low), float(high)],
                 "orientation_known": volume.orientation_known,
                 "remarks": list(volume.remarks),
+                "sketch_step_mm": self.sketch_mm,
                 "preview_step_mm": self.preview_mm,
-                "result_step_mm": self.result_mm,
                 "accepted": self.accepted is not None,
             }
         }
 
     def trial(
-        self, config: SegmentationConfig, *, preview: bool, progress: Progress = silent
+        self, config: SegmentationConfig, *, sketch: bool = False, progress: Progress = silent
     ) -> Trial:
         """Segment, by the same function at either spacing, or give what was found before."""
-        key = _key(asdict(config), preview)
-        kept = self._trials[preview]
+        key = _key(asdict(config), sketch)
+        kept = self._trials[sketch]
         if key not in kept:
-            found, refusal = self._segmented(config, preview, progress)
-            kept[key] = Trial(key, config, preview, found, refusal)
+            found, refusal = self._segmented(config, sketch, progress)
+            kept[key] = Trial(key, config, sketch, found, refusal)
         kept.move_to_end(key)
-        while len(kept) > (_PREVIEWS_KEPT if preview else _RESULTS_KEPT):
+        while len(kept) > (_SKETCHES_KEPT if sketch else _PREVIEWS_KEPT):
             kept.popitem(last=False)
         return kept[key]
 
@@ -152,27 +152,29 @@ class VolumeSession:
         raise InputError("this segmentation is no longer at hand: segment again")
 
     def accept(self, key: str, *, progress: Progress = silent) -> SegmentedCase:
-        """The case of a result, with its surface.
+        """The case of a preview: its own mask, with the surface of that.
 
         Raises
         ------
         InputError
-            If it is a preview, was refused, or no closed surface comes out.
+            If it is a sketch, was refused, or no closed surface comes out.
         """
         trial = self.tried(key)
-        if trial.preview or trial.found is None:
-            raise InputError("a preview is no result: segment first")
+        if trial.sketch:
+            raise InputError("a sketch is too coarse to be accepted: wait for the preview")
+        if trial.found is None:
+            raise InputError("nothing was found that could be accepted: look at the reason")
         self.accepted = surfaced(
             self.source, self.volume, trial.found, trial.config, progress=progress
         )
         return self.accepted
 
     def _segmented(
-        self, config: SegmentationConfig, preview: bool, progress: Progress
+        self, config: SegmentationConfig, sketch: bool, progress: Progress
     ) -> tuple[Segmentation | None, SegmentationError | None]:
-        options = replace(config.options, step=self.preview_mm if preview else self.result_mm)
+        options = replace(config.options, step=self.sketch_mm if sketch else self.preview_mm)
         try:
-            start = self._start(config, options, preview, progress)
+            start = self._start(config, options, sketch, progress)
             return segment(self.volume, options, start=start, progress=progress), None
         except SegmentationError as fault:
             return None, fault
@@ -181,16 +183,16 @@ class VolumeSession:
         self,
         config: SegmentationConfig,
         options: SegmentationOptions,
-        preview: bool,
+        sketch: bool,
         progress: Progress,
     ) -> Start:
         """Seed and filtered box: kept while only thresholds, vein stub or cutters change."""
         which = [config.seed_mm, config.region_mm, config.region_depth_mm]
-        key = _key({"start": which}, preview)
-        kept = self._starts.get(preview)
+        key = _key({"start": which}, sketch)
+        kept = self._starts.get(sketch)
         if kept is None or kept[0] != key:
             kept = (key, start_of(self.volume, options, progress=progress))
-            self._starts[preview] = kept
+            self._starts[sketch] = kept
         return kept[1]
 
 
@@ -231,6 +233,6 @@ def drawn_lattice(volume: Volume) -> Volume:
     return Volume(voxels, fine.affine, volume.remarks, volume.orientation_known)
 
 
-def _key(parameters: Mapping[str, Any], preview: bool) -> str:
-    text = json.dumps([parameters, preview], sort_keys=True)
+def _key(parameters: Mapping[str, Any], sketch: bool) -> str:
+    text = json.dumps([parameters, sketch], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
