@@ -126,7 +126,7 @@ class ShiftedFactorization:
         """Solution x of (matrix − shift·I) x = right, for right of shape (n,) or (n, b).
 
         Blocks are much faster than single columns. With `refine` the residual is solved for once
-        more, at twice the time; unless told, where `backward_error` is more than 1e-10.
+        more, at twice the time; unless told, where `backward_error` is more than 3e-11.
         """
         solution = self._substituted(right)
         if refine or (refine is None and self.backward_error > _REFINED_ABOVE):

@@ -1,7 +1,7 @@
 """Gram-Schmidt for blocks: columns made orthogonal to a basis, and to each other.
 
-Tall and narrow products leave a matrix library waiting for memory. These kernels keep a strip of
-the columns in the fastest cache and read the basis once a pass: three to five times as fast.
+Tall and narrow products leave a matrix library waiting for memory. These kernels take four vectors
+by four, whose sums fit into registers, and read the basis once a pass: as fast as it can be read.
 """
 
 import numpy as np
