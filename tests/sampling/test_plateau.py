@@ -14,13 +14,12 @@ def test_a_focus_on_a_floor_has_a_floor_and_no_ceiling() -> None:
     assert upper == np.inf
 
 
-def test_an_activation_has_no_bounds() -> None:
-    """Times from a focus to its antipode on a sphere: few at either end."""
-    times = np.arccos(np.linspace(-1, 1, 102)[1:-1])
-    fewer = times[(times > 0.2) & (times < 2.9)]
-    assert plateau_bounds(fewer, 0.0) != (fewer.min(), fewer.max())
-    cone = np.sqrt(np.linspace(0.0004, 1.0, 100))
-    assert plateau_bounds(cone, 0.0)[0] == -np.inf
+def test_smooth_tops_and_tips_are_no_bounds() -> None:
+    """Drawn evenly by area: as many near a smooth top as anywhere, fewer near a cone's tip."""
+    area = np.linspace(0.0, 1.0, 100)
+    assert plateau_bounds(area, 0.0) == (-np.inf, np.inf)
+    assert plateau_bounds(np.sqrt(area), 0.0) == (-np.inf, np.inf)
+    assert plateau_bounds(area, 0.05) == (-np.inf, np.inf)
 
 
 def test_plateaus_are_seen_under_a_little_noise() -> None:

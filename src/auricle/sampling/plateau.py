@@ -4,17 +4,22 @@ import math
 
 from auricle.arrays import Floats
 
-NARROW = 0.02
-"""Width of an end, relative to the range of the samples; at least twice the noise."""
+NARROW = 0.03
+"""Width of an end, relative to the range of the samples; at least three times the noise."""
 WIDE = 4
 """How much wider the part is that the samples of an end are held against."""
+LEAST_SHARE = 0.5
+"""Of the samples in the wider part, at least this share lies at the end itself of a plateau.
+
+A smooth top of a map would have a quarter of them there, the tip of a cone a sixteenth.
+"""
 
 
 def plateau_bounds(values: Floats, noise: float) -> tuple[float, float]:
     """Least and largest value of a map, as far as samples of shape (N,) tell them.
 
-    A map has a floor, or a ceiling, if its samples are at least as dense at their end as a bit
-    off it, and two lie there: healthy tissue about a focus, dense scar. The tip of a cone or the
+    A map has a floor, or a ceiling, if its samples crowd at their end (`LEAST_SHARE`), and two
+    lie there: healthy tissue about a focus, dense scar. A smooth top, the tip of a cone or the
     last of an activation is no bound: few samples come near it, and the map may go beyond.
     Infinite where there is no bound.
 
@@ -43,6 +48,6 @@ def plateau_bounds(values: Floats, noise: float) -> tuple[float, float]:
 def _ends_flat(values: Floats, noise: float) -> bool:
     """Whether many samples share the least value."""
     above = values - values.min()
-    width = max(NARROW * float(above.max()), 2 * noise)
+    width = max(NARROW * float(above.max()), 3 * noise)
     here = int((above <= width).sum())
-    return here >= 2 and WIDE * here >= int((above <= WIDE * width).sum())
+    return here >= 2 and here >= LEAST_SHARE * int((above <= WIDE * width).sum())
