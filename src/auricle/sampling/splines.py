@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.spatial.distance import cdist
 
-from auricle.arrays import Floats, Points
+from auricle.arrays import Floats
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.noise_shape import weighted_deviation
 from auricle.sampling.sites import Sites
@@ -19,10 +19,6 @@ WALL_SHARE = 1 / 12
 """How far apart, relative to the diameter √(A/π), walls of normals a radian apart count."""
 NORMAL_MODES = 60
 """Harmonics that carry the direction of the wall: its folds, not the roughness of a mesh."""
-FEWEST_FOR_SLOPE = 10
-"""Samples from which on a spline has a slope in space that no smoothing takes away."""
-LEAST_DEPTH = 0.01
-"""Extent of the samples across their flattest direction, relative to the longest, for a slope."""
 _SMOOTHINGS = np.geomspace(1e-8, 1e3, 45)
 _FINER, _REFINEMENTS = 17, 3
 _ENTRIES_AT_ONCE = 2_000_000
@@ -68,10 +64,11 @@ def wall_places(chamber: Chamber) -> Floats:
 class Spline:
     """The smoothest map near the samples, as −(distance)^power judges smoothness.
 
-    The universal kriging of a generalised covariance (Matheron 1973): −r^β, 0 < β < 2, is
-    positive beside a constant, which is free. So are slopes in space for β > 1, if the samples
-    tell them. β = 1 is the linear radial function of mapping systems; β near 2 behaves as the
-    thin-plate spline; both are here smoothed for noise and kept from leaking through thin walls.
+    Kriging with a generalised covariance (Matheron 1973): −r^β, 0 < β < 2, is positive beside a
+    constant, which is free. β = 1 is the linear radial function of mapping systems; β near 2 is
+    nearly as smooth as the thin-plate spline, but has no slope in space that goes on for ever
+    where there are no samples. Both are here smoothed for noise and kept from leaking through
+    thin walls.
 
     Parameters
     ----------
@@ -90,26 +87,12 @@ class Spline:
         self.noise_shape = noise_shape
         self._vertices = wall_places(chamber)
         self._samples = sites.of(self._vertices)
-        middle = self._samples[:, :3].mean(axis=0)
-        self._free = (lambda places: _slopes(places, middle)) if self._tells_slope else _constant
-
-    @property
-    def _tells_slope(self) -> bool:
-        if self.power <= 1 or len(self._samples) < FEWEST_FOR_SLOPE:
-            return False
-        centred = self._samples[:, :3] - self._samples[:, :3].mean(axis=0)
-        extents = np.linalg.svd(centred, compute_uv=False)
-        return bool(extents[-1] > LEAST_DEPTH * extents[0])
-
-    @cached_property
-    def _drift(self) -> Floats:
-        return self._free(self._samples) / self.noise_shape[:, None]
 
     @cached_property
     def _decomposed(self) -> tuple[Floats, Floats]:
-        """Eigenvalues of the whitened covariance beside the drift, and their vectors."""
-        whole, _ = np.linalg.qr(self._drift, mode="complete")
-        beside = whole[:, self._drift.shape[1] :]
+        """Eigenvalues of the whitened covariance beside the constant, and their vectors."""
+        whole, _ = np.linalg.qr(1 / self.noise_shape[:, None], mode="complete")
+        beside = whole[:, 1:]
         eigenvalues, vectors = eigh(beside.T @ self._among @ beside)
         return np.maximum(eigenvalues, 0.0), beside @ vectors
 
@@ -150,11 +133,11 @@ class Spline:
         whitened = values / self.noise_shape[:, None]
         weights, _ = self._weights(whitened, smoothing)
         rest = whitened - self._among @ weights - smoothing * weights
-        slopes, *_ = np.linalg.lstsq(self._drift, rest, rcond=None)
+        level = (rest / self.noise_shape[:, None]).sum(axis=0) / (self.noise_shape**-2.0).sum()
         weights = weights / self.noise_shape[:, None]
         rows = max(_ENTRIES_AT_ONCE // len(values), 1)
         parts = [
-            self._free(some) @ slopes - cdist(some, self._samples) ** self.power @ weights
+            level - cdist(some, self._samples) ** self.power @ weights
             for some in np.split(self._vertices, range(rows, len(self._vertices), rows))
         ]
         return np.concatenate(parts)
@@ -162,7 +145,7 @@ class Spline:
     def left_out(self, values: Floats, smoothing: float) -> Floats:
         """Each value minus its prediction from all the others, shape (N, c), in closed form.
 
-        Of a sample without which the drift is not determined, 0.
+        Of a lone sample, 0.
         """
         weights, own = self._weights(values / self.noise_shape[:, None], smoothing)
         known = own > np.finfo(float).eps / smoothing
@@ -175,11 +158,3 @@ class Spline:
         inverse = 1 / (eigenvalues + smoothing)
         weights = vectors @ (inverse[:, None] * (vectors.T @ whitened))
         return weights, np.square(vectors) @ inverse
-
-
-def _constant(places: Floats) -> Floats:
-    return np.ones((len(places), 1))
-
-
-def _slopes(places: Floats, middle: Points) -> Floats:
-    return np.hstack([_constant(places), places[:, :3] - middle])
