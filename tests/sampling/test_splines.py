@@ -91,7 +91,7 @@ def test_the_smoothing_is_the_most_probable_one(sphere_chamber: Chamber, power: 
         return float(likelihood + guess / scale + np.log(scale))
 
     best = spline.smoothing(values, noise)
-    assert misfit(best) < min(misfit(1.1 * best), misfit(best / 1.1))
+    assert misfit(best) < min(misfit(1.01 * best), misfit(best / 1.01))
 
 
 def test_the_smoothing_follows_noise_over_the_map_and_not_the_unit(
