@@ -2,11 +2,12 @@
 
     python benchmarks/calibration_cells.py OUT.csv [SURFACE …] [--seeds 5] [--vertices 3000]
 
-For every cell a map of the class is drawn, sampled with noise and rebuilt, by the Gaussian process
-and by the methods mapping systems use, and compared with the truth at every vertex that can be
-sampled. Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. One row a cell
-goes into OUT.csv as soon as it is done, and anatomies that are whole there are left out, so that a
-run can be taken up again; `calibration_report.py` makes the tables.
+For every cell a map of the class is drawn, sampled with noise and rebuilt, by auricle and by the
+methods mapping systems use, and compared with the truth at every vertex that can be sampled.
+Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. Two maps of every cell
+come before a third of any. The rows of a part (an anatomy, design and number of samples) go into
+OUT.csv when it is done, and a part that is there is left out, so that a run can be broken off and
+taken up again; `calibration_report.py` makes the tables.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -99,43 +100,59 @@ def relative_error(chamber: Chamber, rebuilt: Floats, truth: Floats) -> float:
     return float(np.sqrt(error / spread))
 
 
-def cells(path: Path, n_seeds: int, n_vertices: int) -> Iterator[dict[str, Any]]:
-    """Every cell of one anatomy."""
-    prepared = prepare(path, n_vertices=n_vertices, n_modes=N_MODES)
-    chamber = prepared.chamber
-    maps = {(name, seed): drawn(chamber, name, seed) for name in CLASSES for seed in range(n_seeds)}
-    tails = {
-        name: class_tails(chamber, MAP_CLASSES[name], n_draws=10, rng=np.random.default_rng(77)).at(
-            0.5
-        )
+ROUNDS = ((0, 1), (2,), (3,), (4,))
+"""Seeds in the order they are measured: two maps of every cell before a third of any."""
+UP_TO, BIG = COUNTS[:-1], COUNTS[-1:]
+
+
+@dataclass(frozen=True, eq=False)
+class Anatomy:
+    """One atrium, and what is known of its maps beforehand."""
+
+    name: str
+    chamber: Chamber
+    tails: dict[str, Floats]
+
+    @classmethod
+    def of(cls, path: Path, n_vertices: int) -> Self:
+        """Prepare a surface."""
+        chamber = prepare(path, n_vertices=n_vertices, n_modes=N_MODES).chamber
+        rng = [np.random.default_rng(77) for _ in CLASSES]
+        tails = {
+            name: class_tails(chamber, MAP_CLASSES[name], n_draws=10, rng=each).at(0.5)
+            for name, each in zip(CLASSES, rng, strict=True)
+        }
+        return cls(path.stem, chamber, tails)
+
+
+def cells(
+    anatomy: Anatomy, design: str, count: int, seeds: Sequence[int]
+) -> Iterator[dict[str, Any]]:
+    """Every class and noise at one design's sites, for maps of some seeds."""
+    chamber = anatomy.chamber
+    process = GaussianProcess(chamber, designed(chamber, design, count, seeds[0]))
+    planned = planned_errors(chamber, process.sites, anatomy.tails)
+    cases = [
+        Case(name, noise, seed, truth)
+        for seed in seeds
         for name in CLASSES
-    }
-    for design in DESIGNS:
-        for count in COUNTS:
-            shared = design in ("farthest", "pivoted_qr")
-            for seeds in [range(n_seeds)] if shared else [[seed] for seed in range(n_seeds)]:
-                process = GaussianProcess(chamber, designed(chamber, design, count, seeds[0]))
-                planned = planned_errors(chamber, process.sites, tails)
-                cases = [
-                    Case(name, noise, seed, maps[name, seed])
-                    for seed in seeds
-                    for name in CLASSES
-                    for noise in NOISES
-                ]
-                others = by_baselines(process, cases)
-                for case in cases:
-                    yield {
-                        "anatomy": path.stem,
-                        "area_cm2": chamber.accessible_area / 100,
-                        "map": case.name,
-                        "design": design,
-                        "n": count,
-                        "noise": case.noise,
-                        "seed": case.seed,
-                        "planned": planned[case.name, case.noise],
-                        **rebuilt(process, case),
-                        **others[case.name, case.noise, case.seed],
-                    }
+        for truth in [drawn(chamber, name, seed)]
+        for noise in NOISES
+    ]
+    others = by_baselines(process, cases)
+    for case in cases:
+        yield {
+            "anatomy": anatomy.name,
+            "area_cm2": chamber.accessible_area / 100,
+            "map": case.name,
+            "design": design,
+            "n": count,
+            "noise": case.noise,
+            "seed": case.seed,
+            "planned": planned[case.name, case.noise],
+            **rebuilt(process, case),
+            **others[case.name, case.noise, case.seed],
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,8 +271,8 @@ Measure = Callable[[Path, int, int], Iterator[dict[str, Any]]]
 """From a surface, a number of seeds and one of vertices to the rows of one anatomy."""
 
 
-def measured(measure: Measure, fields: Sequence[str], default_seeds: int = 5) -> None:
-    """Run every anatomy that is not whole yet, and write each row as it comes."""
+def arguments(default_seeds: int) -> argparse.Namespace:
+    """Where to write, the surfaces, the number of seeds and of vertices."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("surfaces", type=Path, nargs="*")
@@ -263,12 +280,18 @@ def measured(measure: Measure, fields: Sequence[str], default_seeds: int = 5) ->
     parser.add_argument("--vertices", type=int, default=3000)
     given = parser.parse_args()
     data = Path(os.environ.get("AURICLE_DATA", "../shared/data"))
-    surfaces = given.surfaces or [data / name for name in ATRIA]
+    given.surfaces = given.surfaces or [data / name for name in ATRIA]
+    return given
+
+
+def measured(measure: Measure, fields: Sequence[str], default_seeds: int = 5) -> None:
+    """Run every anatomy that is not whole yet, and write each row as it comes."""
+    given = arguments(default_seeds)
     whole = whole_anatomies(given.out, fields)
     with given.out.open("a", newline="") as file:
         writer = csv.DictWriter(file, fields)
-        for done, path in enumerate(surfaces):
-            sys.stderr.write(f"{path.stem}: {done} of {len(surfaces)} anatomies before it\n")
+        for done, path in enumerate(given.surfaces):
+            sys.stderr.write(f"{path.stem}: {done} of {len(given.surfaces)} anatomies before it\n")
             if path.stem in whole:
                 continue
             for row in measure(path, given.seeds, given.vertices):
@@ -296,9 +319,44 @@ def whole_anatomies(out: Path, fields: Sequence[str]) -> set[str]:
     return whole
 
 
+Part = tuple[Path, str, int, tuple[int, ...]]
+"""A surface, a design, a number of samples and the seeds measured together."""
+
+
+def parts(surfaces: Sequence[Path], n_seeds: int) -> Iterator[Part]:
+    """What to measure, in order: most samples last in each round of seeds."""
+    for among in ROUNDS:
+        seeds = tuple(seed for seed in among if seed < n_seeds)
+        for counts in (UP_TO, BIG):
+            for surface in surfaces:
+                for design in DESIGNS:
+                    shared = design in ("farthest", "pivoted_qr")
+                    groups = [seeds] if shared else [(seed,) for seed in seeds]
+                    for count in counts:
+                        yield from ((surface, design, count, group) for group in groups if group)
+
+
 def main() -> None:
-    """Measure the cells."""
-    measured(cells, FIELDS)
+    """Measure what is not in the table yet, a part at a time."""
+    given = arguments(5)
+    rows: list[dict[str, str]] = []
+    if given.out.exists():
+        with given.out.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+    done = {(row["anatomy"], row["design"], int(row["n"]), int(row["seed"])) for row in rows}
+    anatomies: dict[Path, Anatomy] = {}
+    for surface, design, count, seeds in parts(given.surfaces, given.seeds):
+        if (surface.stem, design, count, seeds[-1]) in done:
+            continue
+        if surface not in anatomies:
+            anatomies[surface] = Anatomy.of(surface, given.vertices)
+        measured_now = list(cells(anatomies[surface], design, count, seeds))
+        with given.out.open("a", newline="") as file:
+            writer = csv.DictWriter(file, FIELDS)
+            if not file.tell():
+                writer.writeheader()
+            writer.writerows(measured_now)
+        sys.stderr.write(f"{surface.stem}, {design}, {count} samples, seeds {seeds}\n")
 
 
 if __name__ == "__main__":

@@ -33,12 +33,12 @@ def test_one_prior_far_more_probable_is_the_average() -> None:
 
 
 def test_covariances_are_averaged_by_probability() -> None:
-    """Two alike in likelihood: ν = ½ is three times as probable beforehand as ν = 3/2."""
+    """Two alike in likelihood: ν = 3/2 is twice as probable beforehand as ν = ½."""
     found, best = averaged(CANDIDATES, fits(5.0, 90.0, 5.0))
-    assert best == 0
-    assert found.amplitude**2 == pytest.approx(0.75 * 4 + 0.25 * 9)
-    assert found.noise**2 == pytest.approx(0.75 * 0.01 + 0.25 * 0.09)
-    assert [term.share for term in found.terms] == pytest.approx([3 / 5.25, 2.25 / 5.25])
+    assert best == 2
+    assert found.amplitude**2 == pytest.approx(4 / 3 + 2 / 3 * 9)
+    assert found.noise**2 == pytest.approx(0.01 / 3 + 2 / 3 * 0.09)
+    assert [term.share for term in found.terms] == pytest.approx([4 / 22, 18 / 22])
 
 
 def test_less_weight_on_the_likelihood_brings_the_others_in() -> None:

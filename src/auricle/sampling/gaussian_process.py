@@ -13,12 +13,14 @@ from auricle.errors import InputError
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
 from auricle.sampling.matern import matern_variances, split_prior
+from auricle.sampling.noise_shape import relative_noise, weighted_deviation
 from auricle.sampling.posterior import Posterior
-from auricle.sampling.prior_average import averaged
+from auricle.sampling.prior_average import BEFOREHAND, averaged
 from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
 from auricle.sampling.sites import Sites
+from auricle.sampling.splines import SHARES, Spline, SplineTerm
 
 FEWEST_SAMPLES = 5
 """With fewer, the samples' own spread says nothing of the map's."""
@@ -28,22 +30,22 @@ NOISE_SHARE = 0.05
 """Median of the default noise prior, relative to the samples' standard deviation."""
 NOISE_SPREAD = 1.0
 """Standard deviation of the logarithm of the noise in that prior: a factor of 2.7 either way."""
-LENGTH_SHARE = 0.25
+LENGTH_SHARE = 0.5
 """Median of the prior on the correlation length, relative to the diameter √(A/π)."""
-LENGTH_SPREAD = 1.0
-"""Standard deviation of the logarithm of the length in that prior."""
-SMOOTHNESSES = (0.5, 1.0, 1.5, 2.5)
-"""ν of the Matérn priors that are averaged over; beforehand each counts as 1/ν, scale-free."""
+LENGTH_SPREAD = math.log(2)
+"""Standard deviation of the logarithm of the length in that prior: a factor of 2 either way."""
+SMOOTHNESSES = tuple(BEFOREHAND)
+"""ν of the Matérn priors that are averaged over."""
 EDGED = 0.8
 """`SampleSpectrum.typical_share` below which edges are taken to be among the residuals."""
 EDGED_SPREAD = 0.25
 """Spread of the logarithm of the noise about what typical samples show of it, then."""
 _FEWEST_TYPICAL = 20
 MOST_CORRELATED = 1000
-"""Number of samples up to which the prior's detail beyond the harmonics is correlated among them;
-with more it counts as independent, since that costs O(N³)."""
+"""Number of samples up to which the prior's detail beyond the harmonics is correlated among them,
+and splines share in the map; with more it counts as independent, since both cost O(N³)."""
 _LENGTHS_PER_OCTAVE = 2
-_OCTAVES = 4
+_LONGEST_OCTAVE, _SHORTEST_OCTAVE = 1, -3
 _SMALLEST_NOISE = 1e-4
 
 
@@ -109,9 +111,10 @@ class GaussianProcess:
         self.n_modes = min(n_modes or default_modes(chamber, len(sites)), chamber.basis.n_modes)
         if self.n_modes < 2:
             raise InputError(f"{self.n_modes} harmonics cannot carry a map: ask for 2 at least")
-        self.noise_shape = _checked_shape(noise_shape, len(sites))
+        self.noise_shape = relative_noise(noise_shape, len(sites))
         self.at_samples: Modes = sites.of(chamber.basis.modes[:, : self.n_modes])
         self._spectra: dict[tuple[float, float], SampleSpectrum] = {}
+        self._splines: dict[float, Spline] = {}
 
     @property
     def diameter(self) -> float:
@@ -120,11 +123,11 @@ class GaussianProcess:
 
     @property
     def lengths(self) -> tuple[float, ...]:
-        """Correlation lengths searched, mm: from a sixteenth of the diameter to all of it."""
-        steps = _OCTAVES * _LENGTHS_PER_OCTAVE
-        return tuple(
-            self.diameter * 2 ** (-step / _LENGTHS_PER_OCTAVE) for step in range(steps, -1, -1)
+        """Correlation lengths searched, mm: from an eighth of the diameter to twice it."""
+        steps = range(
+            _SHORTEST_OCTAVE * _LENGTHS_PER_OCTAVE, _LONGEST_OCTAVE * _LENGTHS_PER_OCTAVE + 1
         )
+        return tuple(self.diameter * 2 ** (step / _LENGTHS_PER_OCTAVE) for step in steps)
 
     def fit(
         self,
@@ -141,7 +144,9 @@ class GaussianProcess:
         samples tell lengths and smoothness it is that of the best. Noise is on all samples; where
         a few are missed by much and most by little (`SampleSpectrum.typical_share`), and nothing
         is stated of the noise, the map has edges: then the noise is fitted about what typical
-        samples show of it, and the likelihoods count for less.
+        samples show of it, and the likelihoods count for less. Splines of the same noise share in
+        the map (`splines.SHARES`): their errors and the process' are not the same, so that the
+        mean of all is nearer the truth than each; by how much they differ counts as uncertainty.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
         (`NOISE_SHARE`, `NOISE_SPREAD`); on the amplitude one that counts as one sample and is
@@ -184,12 +189,25 @@ class GaussianProcess:
                 typical = share * found.noise * float(np.median(self.noise_shape))
                 again = fitting(NoisePrior(typical, EDGED_SPREAD))
                 found, fit, visible = self._average(again, weight=math.sqrt(share))
-        reconstruction = self.given(values, found)
+        unknown = unknown or not float(np.ptp(columns, axis=0).max()) > 0
+        if self.smoothness is None and not unknown and len(columns) <= MOST_CORRELATED:
+            found = replace(found, splines=self._spline_terms(columns, found.noise))
         return replace(
-            reconstruction,
+            self.given(values, found),
             log_marginal_likelihood=fit.log_likelihood,
-            knows_nothing=unknown or not float(np.ptp(columns, axis=0).max()) > 0,
+            knows_nothing=unknown,
         )
+
+    def _spline_terms(self, columns: Floats, noise: float) -> tuple[SplineTerm, ...]:
+        return tuple(
+            SplineTerm(power, share, self._spline(power).smoothing(columns, noise))
+            for power, share in SHARES
+        )
+
+    def _spline(self, power: float) -> Spline:
+        if power not in self._splines:
+            self._splines[power] = Spline(self.chamber, self.sites, power, self.noise_shape)
+        return self._splines[power]
 
     def _fit_of(
         self,
@@ -213,6 +231,7 @@ class GaussianProcess:
             hyperparameters,
             remainder=self._remainder(hyperparameters.terms) if hyperparameters.terms else None,
             sites=self.sites,
+            splines=tuple((self._spline(each.power), each) for each in hyperparameters.splines),
         )
 
     def posterior(self, hyperparameters: Hyperparameters) -> Posterior:
@@ -358,7 +377,7 @@ def _belief(
     noise_prior: NoisePrior | None,
 ) -> Belief:
     """Priors on amplitude and noise; see `GaussianProcess.fit`."""
-    deviation = _deviation(values, spectrum.noise_shape)
+    deviation = weighted_deviation(values, spectrum.noise_shape)
     magnitude = math.sqrt(np.square(values).mean(axis=1).max()) or noise or 1.0
     largest = max(magnitude, deviation)
     amplitude = largest
@@ -369,25 +388,6 @@ def _belief(
     prior = noise_prior or NoisePrior(NOISE_SHARE * (deviation or amplitude))
     # The prior is on the noise of a typical sample, the fit on the root mean square.
     return Belief(amplitude, prior.median / float(np.median(spectrum.noise_shape)), prior.spread)
-
-
-def _deviation(values: Floats, noise_shape: Floats) -> float:
-    """Standard deviation of the samples, those of less noise counting more."""
-    if len(values) < 2:
-        return 0.0
-    weights = noise_shape**-2.0
-    mean = weights @ values / weights.sum()
-    squares = weights @ np.square(values - mean) / weights.sum()
-    return math.sqrt(squares.mean() * len(values) / (len(values) - 1))
-
-
-def _checked_shape(noise_shape: Floats | None, n_samples: int) -> Floats:
-    """Noise of each sample relative to the root mean square, shape (N,)."""
-    shape = np.ones(n_samples) if noise_shape is None else np.asarray(noise_shape, dtype=float)
-    if shape.shape != (n_samples,) or not (np.isfinite(shape) & (shape > 0)).all():
-        raise InputError(f"noise of shape {shape.shape}: give one positive number a site")
-    relative: Floats = shape / math.sqrt(np.square(shape).mean())
-    return relative
 
 
 def _parabola_minimum(heights: list[float]) -> float:

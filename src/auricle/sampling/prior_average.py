@@ -1,7 +1,8 @@
 """The average of several priors, each by its probability."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -9,6 +10,8 @@ from auricle.sampling.marginal_likelihood import Fit
 from auricle.sampling.reconstruction import Hyperparameters
 from auricle.sampling.remainder import Term
 
+BEFOREHAND: Mapping[float, float] = MappingProxyType({0.5: 0.15, 1.0: 0.5, 1.5: 0.3, 2.5: 0.05})
+"""Probability of each ν before any sample: of simulated maps few ask for the ends."""
 LEAST_WEIGHT = 0.03
 """Probability below which a prior does not enter the average."""
 
@@ -21,7 +24,7 @@ def averaged(
     Parameters
     ----------
     candidates
-        ν and length of each; ν counts as 1/ν beforehand, which favours no scale of it.
+        ν and length of each; ν counts as `BEFOREHAND` says.
     fits
         Best amplitude and noise of each, and their objective.
     weight
@@ -34,7 +37,7 @@ def averaged(
     int
         Index of that.
     """
-    beforehand = [math.log(smoothness) for smoothness, _ in candidates]
+    beforehand = [-math.log(BEFOREHAND[smoothness]) for smoothness, _ in candidates]
     objectives = weight * np.array([fit.objective for fit in fits]) + beforehand
     best = int(np.argmin(objectives))
     shares = np.exp(objectives[best] - objectives)

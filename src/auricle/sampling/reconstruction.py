@@ -9,9 +9,11 @@ from scipy.sparse import csr_array
 
 from auricle.arrays import Floats, Modes, PerMode, PerVertex
 from auricle.sampling.chamber import Chamber
+from auricle.sampling.plateau import plateau_bounds
 from auricle.sampling.posterior import Posterior
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.sites import Sites
+from auricle.sampling.splines import Spline, SplineTerm
 
 _ENTRIES_AT_ONCE = 10_000_000
 
@@ -33,6 +35,8 @@ class Hyperparameters:
     terms
         What the prior is a mean of, each with what it holds beyond the harmonics; empty for one
         Matérn prior on the harmonics alone.
+    splines
+        What shares in the map beside the process.
     """
 
     length: float
@@ -40,6 +44,7 @@ class Hyperparameters:
     noise: float
     smoothness: float = 1.5
     terms: tuple[Term, ...] = ()
+    splines: tuple[SplineTerm, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +73,8 @@ class Reconstruction:
         What the prior holds beyond the harmonics; None for nothing.
     sites
         Where the samples are; needed with a remainder.
+    splines
+        What shares in the map beside the process, and how.
     """
 
     chamber: Chamber
@@ -78,6 +85,7 @@ class Reconstruction:
     knows_nothing: bool = False
     remainder: Remainder | None = None
     sites: Sites | None = None
+    splines: tuple[tuple[Spline, SplineTerm], ...] = ()
 
     @property
     def _modes(self) -> Modes:
@@ -99,7 +107,39 @@ class Reconstruction:
 
     @cached_property
     def mean(self) -> Floats:
-        """The map, shape (n,) or (n, c)."""
+        """The map, shape (n,) or (n, c).
+
+        Of the process and the splines by their shares if there are splines, and then within what
+        the samples of one column show of its bounds (`plateau_bounds`). Columns together are not
+        bounded: cosine and sine have no bound of their own that turns with the phase.
+        """
+        if not self.splines:
+            return self.process_mean
+        mixed: Floats = np.tensordot(*self._members, 1)
+        if mixed.shape[1] == 1:
+            bounds = plateau_bounds(self.values.ravel(), self.hyperparameters.noise)
+            mixed = np.clip(mixed, *bounds)
+        return mixed.reshape(-1, *self.values.shape[1:])
+
+    @cached_property
+    def _members(self) -> tuple[Floats, Floats]:
+        """Shares (m,) and maps (m, n, c) of the process and of each spline."""
+        columns = self.values.reshape(len(self.values), -1)
+        middle = columns.mean(axis=0)
+        maps = [self.process_mean.reshape(len(self._modes), -1)]
+        maps += [
+            middle + spline.mean(columns - middle, term.smoothing) for spline, term in self.splines
+        ]
+        return self._shares, np.array(maps)
+
+    @property
+    def _shares(self) -> Floats:
+        shares = [term.share for _, term in self.splines]
+        return np.array([1 - sum(shares), *shares])
+
+    @cached_property
+    def process_mean(self) -> Floats:
+        """The map of the Gaussian process alone, shape (n,) or (n, c)."""
         values: Floats = self._modes @ self.coefficient_mean
         if self.remainder is None:
             return values
@@ -116,7 +156,21 @@ class Reconstruction:
 
     @cached_property
     def variance(self) -> PerVertex:
-        """Posterior variance of the map, shape (n,); the same for every column."""
+        """Posterior variance of the map, shape (n,); the same for every column.
+
+        Of a mixture that of the process and the members' spread (law of total variance, each
+        member being taken for as sure as the process; mean over the columns).
+        """
+        if not self.splines:
+            return self.process_variance
+        shares, members = self._members
+        middle = np.tensordot(shares, members, 1)
+        spread: Floats = np.tensordot(shares, np.square(members - middle), 1)
+        return np.asarray(self.process_variance + spread.mean(axis=1))
+
+    @cached_property
+    def process_variance(self) -> PerVertex:
+        """Posterior variance of the Gaussian process alone, shape (n,)."""
         carried = self.posterior.covariance.seen_by(self._modes)
         if self.remainder is None:
             return carried
@@ -186,12 +240,12 @@ class Reconstruction:
     @cached_property
     def _expected_squares(self) -> tuple[float, float]:
         """Mean square error, and mean square deviation of the map from its mean, unit²."""
-        covariance = self.posterior.covariance.matrix
-        k = len(covariance)
-        # tr(GΣ)/A: the mean of the variance, without looking at every vertex.
-        gram = self.chamber.accessible_gram[:k, :k]
-        error = float(np.vdot(gram, covariance)) / self.chamber.accessible_area
-        if self.remainder is not None:
+        if self.remainder is None and not self.splines:
+            # tr(GΣ)/A: the mean of the variance, without looking at every vertex.
+            covariance = self.posterior.covariance.matrix
+            gram = self.chamber.accessible_gram[: len(covariance), : len(covariance)]
+            error = float(np.vdot(gram, covariance)) / self.chamber.accessible_area
+        else:
             error = self.chamber.mean(self.variance)
         columns = self.mean.reshape(len(self.mean), -1)
         varying = float(
@@ -204,7 +258,7 @@ class Reconstruction:
     @cached_property
     def planned_nrmse(self) -> float:
         """The same before any value is known: relative to the prior's deviation of maps."""
-        error = self.chamber.mean(self.variance)
+        error = self.chamber.mean(self.process_variance)
         return math.sqrt(error / prior_variation(self.chamber, self.posterior.prior_variances))
 
     def _variance_of_mean(self) -> float:
@@ -216,9 +270,20 @@ class Reconstruction:
     def leave_one_out(self) -> tuple[Floats, Floats]:
         """Residual of each sample predicted from the others, and its expected deviation.
 
-        Shapes (N,) or (N, c), and (N,); see `Posterior.leave_one_out`.
+        Shapes (N,) or (N, c), and (N,); see `Posterior.leave_one_out`. Of a mixture the members'
+        by their shares, and their spread; the map's bounds are not looked at.
         """
-        return self.posterior.leave_one_out(self.values - self.values.mean(axis=0))
+        centred = self.values - self.values.mean(axis=0)
+        residuals, deviations = self.posterior.leave_one_out(centred)
+        if not self.splines:
+            return residuals, deviations
+        columns = centred.reshape(len(centred), -1)
+        left_out = [residuals.reshape(columns.shape)]
+        left_out += [spline.left_out(columns, term.smoothing) for spline, term in self.splines]
+        members = np.array(left_out)
+        mixed = np.tensordot(self._shares, members, 1)
+        spread = np.tensordot(self._shares, np.square(members - mixed), 1).mean(axis=1)
+        return mixed.reshape(centred.shape), np.sqrt(deviations**2 + spread)
 
     @property
     def standardized_variance(self) -> float:
@@ -237,8 +302,8 @@ class Reconstruction:
     def draw(self, rng: np.random.Generator, count: int) -> Floats:
         """Maps that agree with the samples as well as the truth may, shape (count, n).
 
-        Of the first column if there are several. What the harmonics carry: detail beyond them,
-        which is nearly independent from vertex to vertex, is left out.
+        Of the first column if there are several. What the harmonics carry of the process: detail
+        beyond them, which is nearly independent from vertex to vertex, is left out, and splines.
         """
         mean = self.coefficient_mean.reshape(len(self.coefficient_mean), -1)[:, :1]
         maps: Floats = (self._modes @ (mean + self.posterior.draw(rng, count))).T

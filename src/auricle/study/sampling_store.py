@@ -104,6 +104,10 @@ def _hyperparameters(result: MappingResult) -> dict[str, Any] | None:
             {"length_mm": term.length, "smoothness": term.smoothness, "share": term.share}
             for term in found.terms
         ],
+        "splines": [
+            {"power": term.power, "share": term.share, "smoothing": term.smoothing}
+            for term in found.splines
+        ],
     }
 
 
