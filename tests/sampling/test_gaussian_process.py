@@ -219,8 +219,8 @@ def test_draws_pass_by_the_samples_and_spread_as_the_deviation_says(
     found = GaussianProcess(sphere_chamber, sites, n_modes=144).given(
         sites.of(activation(sphere_chamber)), KNOWN
     )
-    drawn = found.draw(rng, 2_000)
-    assert drawn.shape == (2_000, sphere_chamber.mesh.n_vertices)
+    drawn = found.draw(rng, 8_000)
+    assert drawn.shape == (8_000, sphere_chamber.mesh.n_vertices)
     assert np.allclose(drawn.std(axis=0), found.std, rtol=0.1)
     assert np.allclose(drawn.mean(axis=0), found.mean, atol=0.2)
 
@@ -229,10 +229,10 @@ def test_detail_too_fine_for_the_samples_is_told_apart_from_known_noise(
     sphere_chamber: Chamber, rng: np.random.Generator
 ) -> None:
     """Truth with detail of deviation 2 at every vertex; samples with noise 1 besides."""
-    smooth = from_prior(sphere_chamber, rng, 6)
+    smooth = from_prior(sphere_chamber, rng, 24)
     truths = smooth + 2.0 * rng.standard_normal(smooth.shape)
     chosen = rng.choice(sphere_chamber.mesh.n_vertices, 200, replace=False)
-    values = truths[chosen] + rng.standard_normal((200, 6))
+    values = truths[chosen] + rng.standard_normal((200, 24))
     found = GaussianProcess(sphere_chamber, Sites.at_vertices(chosen)).fit(values)
     off = np.abs(np.delete(found.mean - truths, chosen, axis=0))
     for std, least, most in (
