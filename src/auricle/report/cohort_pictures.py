@@ -55,25 +55,16 @@ def rebuilt_maps_picture(surfaces: PicturedSurfaces) -> Figure:
     A row for each size; map and surface are from the same number of harmonics. Last: the map as
     it was, on the original surface.
     """
-    counts = sorted(surfaces.mha)
-    figure, grid = _panels(len(surfaces.maps), len(counts) + 1)
-    view = best_view(surfaces.original, surfaces.maps[0].values)
-    everything = np.vstack(
-        [surfaces.original.vertices, *(mesh.vertices for mesh in surfaces.mha.values())]
+    return _maps_picture(
+        surfaces,
+        [
+            [
+                (f"{count} harmonics", mesh, each.rebuilt[count])
+                for count, mesh in sorted(surfaces.mha.items())
+            ]
+            for each in surfaces.maps
+        ],
     )
-    camera = _camera(everything, view, len(counts) + 1)
-    for row, each in zip(grid, surfaces.maps, strict=True):
-        row[0].set_ylabel(f"{each.size}, σ = {each.sigma_mm:g} mm")
-        shown: list[tuple[str, Mesh, np.ndarray]] = [
-            (f"{count} harmonics", surfaces.mha[count], each.rebuilt[count]) for count in counts
-        ]
-        shown.append(("as simulated", surfaces.original, each.values))
-        for axes, (title, mesh, values) in zip(row, shown, strict=True):
-            _show(axes, render(mesh, camera, values, scale=FOCUS_SCALE))
-            axes.set_title(title, fontsize="small")
-    _add_bar(figure, grid, FOCUS_SCALE)
-    figure.supxlabel(f"seen from {view.seen_from}; {_NOTE}", fontsize="x-small")
-    return figure
 
 
 def thinned_maps_picture(surfaces: PicturedSurfaces) -> Figure:
@@ -81,20 +72,32 @@ def thinned_maps_picture(surfaces: PicturedSurfaces) -> Figure:
 
     Every map has a surface of its own; colours are linear between the points' values.
     """
-    counts = sorted(surfaces.maps[0].thinned)
-    figure, grid = _panels(len(surfaces.maps), len(counts) + 1)
+    return _maps_picture(
+        surfaces,
+        [
+            [
+                (f"{count} points", level.mesh, level.values)
+                for count, level in sorted(each.thinned.items())
+            ]
+            for each in surfaces.maps
+        ],
+    )
+
+
+def _maps_picture(
+    surfaces: PicturedSurfaces, approximations: list[list[tuple[str, Mesh, np.ndarray]]]
+) -> Figure:
+    """A row for each map: its approximations, titled, and the map itself; from one place."""
+    n_columns = len(approximations[0]) + 1
+    figure, grid = _panels(len(surfaces.maps), n_columns)
     view = best_view(surfaces.original, surfaces.maps[0].values)
-    levels = [each.thinned[count].mesh for each in surfaces.maps for count in counts]
-    everything = np.vstack([mesh.vertices for mesh in (surfaces.original, *levels)])
-    camera = _camera(everything, view, len(counts) + 1)
-    for row, each in zip(grid, surfaces.maps, strict=True):
+    meshes = [mesh for row in approximations for _, mesh, _ in row]
+    everything = np.vstack([mesh.vertices for mesh in (surfaces.original, *meshes)])
+    camera = _camera(everything, view, n_columns)
+    for row, each, shown in zip(grid, surfaces.maps, approximations, strict=True):
         row[0].set_ylabel(f"{each.size}, σ = {each.sigma_mm:g} mm")
-        shown: list[tuple[str, Mesh, np.ndarray]] = [
-            (f"{count} points", each.thinned[count].mesh, each.thinned[count].values)
-            for count in counts
-        ]
-        shown.append(("as simulated", surfaces.original, each.values))
-        for axes, (title, mesh, values) in zip(row, shown, strict=True):
+        itself = ("as simulated", surfaces.original, each.values)
+        for axes, (title, mesh, values) in zip(row, [*shown, itself], strict=True):
             _show(axes, render(mesh, camera, values, scale=FOCUS_SCALE))
             axes.set_title(title, fontsize="small")
     _add_bar(figure, grid, FOCUS_SCALE)

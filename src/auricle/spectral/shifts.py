@@ -69,7 +69,9 @@ def next_shifts(
     tried = workers.each(lambda place: factorable.steadily_at(place, spacing), places)
     shifts: list[ShiftedFactorization] = []
     for factors in tried:
-        if factors.n_below - known > 2 * reach or (shifts and shifts[-1].n_below > count):
+        # A shift that could not be factored where it was wanted has moved up, past the next maybe.
+        needless = shifts and (shifts[-1].n_below > count or shifts[-1].shift >= factors.shift)
+        if needless or factors.n_below - known > 2 * reach:
             break
         shifts.append(factors)
         known = factors.n_below + reach

@@ -28,9 +28,10 @@ Clusters of equal eigenvalues wider than the block show one block's width of cop
 """
 _BLOCKS_UNTIL_FIRST = 15
 """Blocks before the first pair converges; each further one takes `VECTORS_PER_PAIR` vectors."""
-_MOST_VECTORS = 800
-_SEARCH_STEPS = 40
+_MOST_VECTORS, _SEARCH_STEPS = 800, 40
+"""Length of a run: at most, in vectors; and of a search, in blocks."""
 _MARGIN = 4
+"""Pairs more than needed, half of them each way, that let neighbouring runs overlap."""
 _TOLERANCE = 1e-11
 _TOO_NEAR, _AROUND = 0.03, 8
 """Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them

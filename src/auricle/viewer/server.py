@@ -164,12 +164,11 @@ async def _respond(
         )
         return await _answered(endpoint, call, request)
     place = Path(tempfile.mkdtemp(dir=workspace.folder))
-    try:
+    with contextlib.ExitStack() as unless_whole:
+        unless_whole.callback(shutil.rmtree, place, ignore_errors=True)
         upload = place / _file_name(request)
         await _store(request, upload, largest_upload)
-    except BaseException:
-        shutil.rmtree(place, ignore_errors=True)
-        raise
+        unless_whole.pop_all()
     call = Call(workspace, request.path_params, request.query_params, upload=upload)
     return await _answered(endpoint, call, request)
 
