@@ -11,6 +11,7 @@ from auricle.errors import SolverError
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
+from auricle.spectral.row_products import row_products
 from auricle.spectral.substitution import substituted
 
 _TINY_PIVOT = 1e-11
@@ -138,7 +139,8 @@ class ShiftedFactorization:
         return substituted(self._plan, self._panels, rows).T.reshape(right.shape)
 
     def _residual(self, right: Floats, solution: Floats) -> Floats:
-        residual: Floats = right - self._matrix @ solution + self.shift * solution
+        images = row_products(self._matrix, np.atleast_2d(solution.T)).T.reshape(right.shape)
+        residual: Floats = right - images + self.shift * solution
         return residual
 
 

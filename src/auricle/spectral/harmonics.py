@@ -8,18 +8,15 @@ from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
 from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, read_only
+from auricle.compiled import compiled
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
 from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
+from auricle.spectral.orthonormal_rows import orthonormalized
 from auricle.spectral.power import Spectrum
-from auricle.spectral.refinement import (
-    Refined,
-    corrected,
-    orthonormalized,
-    overlap,
-)
+from auricle.spectral.refinement import Refined, corrected
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
@@ -263,7 +260,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
     )
     gap = _last_gap(refined.values, pairs)
     certificate = _certificate(
-        refined, factorize(matrix, gap, symbolic=symbolic), operator=operator, workers=workers
+        refined, factorize(matrix, gap, symbolic=symbolic), operator=operator
     )
     certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
     _require_certificate(certificate)
@@ -304,7 +301,7 @@ def _last_gap(values: PerMode, pairs: LowestPairs) -> float:
 
 
 def _certificate(
-    found: Refined, count: ShiftedFactorization, *, operator: Laplacian, workers: Workers
+    found: Refined, count: ShiftedFactorization, *, operator: Laplacian
 ) -> Certificate:
     """Of eigenpairs of the symmetrised matrix, whose eigenvalues `count` counts to the last gap."""
     scale, n_modes = 4 * np.pi / operator.areas.sum(), len(found.values)
@@ -316,7 +313,7 @@ def _certificate(
         gap_per_mm2=count.shift,
         eigenvalues_below_gap=count.n_below,
         largest_residual=float((found.residuals / np.maximum(found.values, first)).max()),
-        largest_orthogonality_error=float(np.abs(overlap(found.rows, workers)).max()),
+        largest_orthogonality_error=found.departure,
         n_zero_modes=n_zero,
         method="",
     )
@@ -327,16 +324,27 @@ def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) ->
 
     Entries of `rows` belong to the vertices in `order`.
     """
-    modes = np.empty_like(rows)
-    position, roots = np.argsort(order), 1 / np.sqrt(areas)
+    modes, roots = np.empty_like(rows), 1 / np.sqrt(areas)
 
     def fill(some: slice) -> None:
-        part = np.multiply(rows[some][:, position], roots, out=modes[some])
-        peaks = np.take_along_axis(part, np.abs(part).argmax(axis=1)[:, None], axis=1)
-        part *= np.sign(peaks)
+        _fill_modes(rows[some], order, roots, modes[some])
 
     workers.each(fill, [slice(i, i + _ROWS_AT_ONCE) for i in range(0, len(rows), _ROWS_AT_ONCE)])
     return modes.T
+
+
+@compiled
+def _fill_modes(rows: Floats, order: Integers, roots: PerVertex, modes: Floats) -> None:
+    for row, mode in zip(rows, modes):  # noqa: B905 -- unknown to the compiler
+        for i in range(len(order)):
+            mode[order[i]] = row[i] * roots[order[i]]
+        peak = 0.0
+        for i in range(len(mode)):
+            if abs(mode[i]) > abs(peak):
+                peak = mode[i]
+        if peak < 0:
+            for i in range(len(mode)):
+                mode[i] = -mode[i]
 
 
 def _require_certificate(certificate: Certificate) -> None:

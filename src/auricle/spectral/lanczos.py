@@ -15,6 +15,8 @@ VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
 _LEAST_LOST, _MOST_LOST = 1e-15, 1e-11
 """How far a block is from orthogonal to the basis after all of it was looked at, and may be."""
+_ROUGH = 0.1
+"""Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
 
@@ -100,16 +102,23 @@ class LanczosRun:
         `missing` is told `values` whenever convergence is looked at, and how soon that is next
         depends on what it says; without it all the effort is spent.
         """
-        n_missing = missing(self.values) if missing and self._n_steps else 1
-        n_steps = self._effort.first if missing else self._effort.most
+        n_missing = missing(self.values) if missing else 1
         while n_missing and self._n_steps < self._effort.most:
-            if self._n_steps:
-                more = -(-int(VECTORS_PER_PAIR * n_missing) // self._effort.block)
-                n_steps = self._n_steps + max(more, _FEWEST_MORE)
-            self._extend(min(n_steps, self._effort.most))
+            more = -(-int(VECTORS_PER_PAIR * n_missing) // self._effort.block)
+            n_steps = max(self._n_steps + max(more, _FEWEST_MORE), self._effort.first)
+            self._extend(min(n_steps if missing else self._effort.most, self._effort.most))
             self._converge()
             n_missing = missing(self.values) if missing else 0
         return self
+
+    def glance(self, n_steps: int) -> Floats:
+        """Rough eigenvalues after so few steps, those that are nearest to the shift first."""
+        self._extend(min(n_steps, self._effort.most))
+        size = self._n_steps * self._effort.block
+        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
+        leftover = np.linalg.norm(self._coupling.T @ rotations[-self._effort.block :], axis=0)
+        rough = inverses[leftover <= _ROUGH * np.abs(inverses)]
+        return self.factors.shift + 1 / rough[np.argsort(-np.abs(rough))]
 
     def vectors(self, first: int = 0) -> Floats:
         """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""

@@ -1,4 +1,4 @@
-"""Eigenpairs brought to rounding: rows made orthonormal, and what is left over corrected for."""
+"""Eigenpairs brought to rounding: what the matrix leaves over of them is corrected for."""
 
 from dataclasses import dataclass
 
@@ -12,73 +12,17 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
+from auricle.spectral.orthonormal_rows import Orthonormal, orthonormalized
+from auricle.spectral.row_products import row_products
 from auricle.spectral.workers import Workers
 
-_AT_ONCE = 64
-_NEARLY = 1e-6
-"""Departure from orthonormality that one Newton-Schulz step takes to rounding: it squares it."""
-_SINGLE = 1e-8
-"""Departure that single precision suffices to correct for: its error is 1e-7 of that."""
-_MOST_STEPS, _PARTS = 4, 4
+_AT_ONCE = 16
 _ENOUGH = 5e-10
 _CORRECTIONS = 5
 _PROGRESS = 0.5
 """Share of the largest residual that must be gone for another correction to be worth its time, from
 the second on: the first is of another kind."""
 _SIMILAR, _BELOW = 1.1, 0.995
-
-
-def orthonormalized(rows: Floats, workers: Workers) -> Floats:
-    """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
-
-    Parameters
-    ----------
-    rows
-        Nearly orthonormal, shape (k, n).
-    workers
-        Who share the products.
-
-    References
-    ----------
-    Higham 2008, Functions of Matrices, § 8.3.
-    """
-    for _ in range(_MOST_STEPS):
-        lower = overlap(rows, workers)
-        rows = _step(rows, 0.5 * (np.tril(lower, -1) + np.tril(lower).T), workers)
-        if np.abs(lower).max() < _NEARLY:
-            break
-    return rows
-
-
-def _step(rows: Floats, correction: Floats, workers: Workers) -> Floats:
-    """Rows less what the triangular `correction` takes of those before and after."""
-    stepped = np.empty_like(rows)
-    sources, factors = rows, correction
-    if np.abs(correction).max() < _SINGLE:
-        sources, factors = rows.astype(np.float32), correction.astype(np.float32)
-
-    def fill(some: slice) -> None:
-        np.subtract(rows[some], factors[some] @ sources, out=stepped[some])
-
-    workers.each(fill, _slices(len(rows), -(-len(rows) // _PARTS)))
-    return stepped
-
-
-def overlap(rows: Floats, workers: Workers) -> Floats:
-    """Inner products of all rows less those of orthonormal ones: the lower triangle, shape (k, k).
-
-    Half the work of a general product, since it is symmetric.
-    """
-    products = np.zeros((len(rows), len(rows)))
-
-    def fill(tile: tuple[slice, slice]) -> None:
-        # Of an array and its own transpose the library computes one triangle and copies it.
-        products[tile] = rows[tile[0]] @ rows[tile[1]].T
-
-    parts = _slices(len(rows), max(-(-len(rows) // _PARTS), 1))
-    workers.each(fill, [(one, other) for i, one in enumerate(parts) for other in parts[: i + 1]])
-    products[np.diag_indices_from(products)] -= 1.0
-    return np.tril(products)
 
 
 def rayleigh_quotients(
@@ -89,7 +33,7 @@ def rayleigh_quotients(
 
     def fill(some: slice) -> None:
         values[some], left_over = _left_over(matrix, rows[some])
-        residuals[some] = np.linalg.norm(left_over, axis=0)
+        residuals[some] = np.linalg.norm(left_over, axis=1)
 
     workers.each(fill, _slices(len(rows), _AT_ONCE))
     return values, residuals
@@ -105,16 +49,19 @@ class Refined:
         Orthonormal, one a row, shape (k, n).
     values, residuals
         Rayleigh quotients, and norms of what is left over, shape (k,).
+    departure
+        Of the rows from orthonormal, as `orthonormalized` measured it.
     """
 
     rows: Floats
     values: PerMode
     residuals: PerMode
+    departure: float
 
 
 def corrected(
     matrix: sparse.csc_array,
-    rows: Floats,
+    approximate: Orthonormal,
     *,
     least: float,
     workers: Workers,
@@ -132,8 +79,8 @@ def corrected(
     ----------
     matrix
         Symmetric, positive semi-definite, shape (n, n).
-    rows
-        Orthonormal approximate eigenvectors of its lowest eigenvalues, shape (k, n).
+    approximate
+        Eigenvectors of its lowest eigenvalues, one a row, shape (k, n).
     least
         Eigenvalue that residuals of smaller ones are relative to.
     workers
@@ -141,7 +88,7 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    before = np.inf
+    before, rows = np.inf, approximate.rows
     for attempt in range(_CORRECTIONS + 1):
         values, residuals = rayleigh_quotients(matrix, rows, workers)
         relative = residuals / np.maximum(values, least)
@@ -157,8 +104,9 @@ def corrected(
         for shift, some in groups:
             factors = factorize(matrix, shift, symbolic=symbolic)
             rows = _solved_for(matrix, rows, some, factors, workers)
-        rows = orthonormalized(rows, workers)
-    return Refined(rows, values, residuals)
+        approximate = orthonormalized(rows, workers)
+        rows = approximate.rows
+    return Refined(rows, values, residuals, approximate.departure)
 
 
 def _poor(
@@ -190,7 +138,7 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats
     products = np.empty((len(rows), len(rows)))
 
     def fill(some: slice) -> None:
-        products[some] = np.ascontiguousarray((matrix @ rows[some].T).T) @ rows.T
+        products[some] = row_products(matrix, rows[some]) @ rows.T
 
     workers.each(fill, _slices(len(rows), _AT_ONCE))
     _, rotation = eigh(0.5 * (products + products.T))
@@ -210,18 +158,18 @@ def _solved_for(
 
     def fill(some: slice) -> None:
         _, left_over = _left_over(matrix, rows[poor[some]])
-        better[poor[some]] -= factors.solve(left_over).T
+        better[poor[some]] -= factors.solve(left_over.T).T
 
     workers.each(fill, _slices(len(poor), _AT_ONCE))
     return better
 
 
 def _left_over(matrix: sparse.csc_array, rows: Floats) -> tuple[Floats, Floats]:
-    """Rayleigh quotients, and what the matrix makes of the rows beyond them, as columns."""
-    vectors = np.ascontiguousarray(rows.T)
-    images = matrix @ vectors
-    values = np.einsum("nk,nk->k", vectors, images)
-    return values, images - vectors * values
+    """Rayleigh quotients, and what the matrix makes of the rows beyond them."""
+    left_over = row_products(matrix, rows)
+    values = np.einsum("kn,kn->k", rows, left_over)
+    left_over -= values[:, None] * rows
+    return values, left_over
 
 
 def _slices(count: int, size: int) -> list[slice]:

@@ -20,6 +20,9 @@ _REACH, _REACH_VERTICES = 40, 10_000
 
 Factors cost more than vectors on larger ones, so that runs are worth being longer there.
 """
+_BEYOND, _SURPLUS, _PLACINGS = 3, 20, 4
+"""Eigenvalues beyond those wanted that the last count is to be made above; how many more may be
+there; and how often that is tried."""
 _STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4)
 """Backward error of solves that need no refinement, and where else to try, in mean spacings."""
 
@@ -54,28 +57,81 @@ class Factorable:
         return round(float(_REACH * max(1.0, n_vertices / _REACH_VERTICES) ** 0.25))
 
 
+@dataclass(frozen=True, eq=False)
+class NextShifts:
+    """The next shifts up.
+
+    Attributes
+    ----------
+    searched
+        Ascending; eigenpairs are to be found around each.
+    ceiling
+        Just above all that is wanted, where counting is enough; None if that is still far.
+    """
+
+    searched: Sequence[ShiftedFactorization]
+    ceiling: ShiftedFactorization | None
+
+
 def next_shifts(
     factorable: Factorable, ladder: Ladder, *, count: int, density: float, workers: Workers
-) -> Sequence[ShiftedFactorization]:
-    """The next shifts up, to be searched around at one time; the last of all only just beyond.
+) -> NextShifts:
+    """The next shifts up, to be searched around at one time, and how far that is to reach.
 
-    Each is placed half a slice above what is known when it is its turn, by the density of
-    eigenvalues met so far; one that turns out much further up is left for another time.
+    What is left is shared out evenly among shifts, each in the middle of its share by the density
+    of eigenvalues met so far; one that turns out much further up is left for another time.
     """
     known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
-    reach, spacing = factorable.reach, 1 / density
-    heights = [min(count + 3, known + reach * (1 + 2 * i)) for i in range(AT_ONCE)]
-    places = [low + max(height - n_low, 3) * spacing for height in sorted(set(heights))]
+    spacing, left = 1 / density, count + _BEYOND - known
+    n_runs = _shares(left, factorable.reach)
+    heights = [known + left * (1 + 2 * i) / (2 * n_runs) for i in range(min(n_runs, AT_ONCE))]
+    places = [low + (height - n_low) * spacing for height in heights]
     tried = workers.each(lambda place: factorable.steadily_at(place, spacing), places)
-    shifts: list[ShiftedFactorization] = []
+    searched: list[ShiftedFactorization] = []
     for factors in tried:
         # A shift that could not be factored where it was wanted has moved up, past the next maybe.
-        needless = shifts and (shifts[-1].n_below > count or shifts[-1].shift >= factors.shift)
-        if needless or factors.n_below - known > 2 * reach:
+        needless = searched and (searched[-1].n_below > count or searched[-1].shift >= factors.shift)
+        if needless or factors.n_below - known > 2 * factorable.reach:
             break
-        shifts.append(factors)
-        known = factors.n_below + reach
-    return shifts or [_nearer(factorable, ladder, tried[0], spacing)]
+        searched.append(factors)
+        known = factors.n_below + factorable.reach
+    if tried and not searched:
+        searched.append(_nearer(factorable, ladder, tried[0], spacing))
+    if len(searched) < n_runs or (searched and searched[-1].n_below > count):
+        return NextShifts(searched, None)
+    from_here = (searched[-1].shift, searched[-1].n_below) if searched else (low, n_low)
+    return NextShifts(searched, _ceiling(factorable, from_here, count=count, spacing=spacing))
+
+
+def _shares(left: int, reach: int) -> int:
+    """Among how many shifts so many eigenvalues are shared out: as many as go at once, or more."""
+    if left <= reach:
+        return int(left > 0)
+    return AT_ONCE * max(round(left / (2 * reach * AT_ONCE)), 1)
+
+
+def _ceiling(
+    factorable: Factorable, below: tuple[float, int], *, count: int, spacing: float
+) -> ShiftedFactorization | None:
+    """Factors with at least one eigenvalue more below them than are wanted, and not many more.
+
+    Placed as if eigenvalues went on as before, and again by what is counted there.
+    """
+    wanted, best = count + _BEYOND, None
+    low, n_low = below
+    place = low + (wanted - n_low) * spacing
+    for _ in range(_PLACINGS):
+        factors = factorable.at(place)
+        n_here = factors.n_below
+        if n_here <= count:
+            low, n_low = factors.shift, n_here
+            place = low + (wanted - n_low) * spacing
+        else:
+            best = factors
+            if n_here <= wanted + _SURPLUS:
+                break
+            place = low + (factors.shift - low) * (wanted - n_low) / (n_here - n_low)
+    return best
 
 
 def _nearer(

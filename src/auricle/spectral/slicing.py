@@ -5,7 +5,7 @@ eigenvalues lie below, so that every pair has an absolute index and a missing on
 searched for again. ARPACK alone loses copies of repeated eigenvalues without a word.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,7 +18,7 @@ from auricle.spectral.factorization import ShiftedFactorization, SymbolicFactori
 from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
-from auricle.spectral.shifts import AT_ONCE, Factorable, next_shifts
+from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts
 from auricle.spectral.workers import Workers
 
 _BLOCK, _SEARCH_BLOCK, _WIDEST_BLOCK = 4, 8, 32
@@ -33,9 +33,9 @@ _MOST_VECTORS, _SEARCH_STEPS = 800, 40
 _MARGIN = 4
 """Pairs more than needed, half of them each way, that let neighbouring runs overlap."""
 _TOLERANCE = 1e-11
-_TOO_NEAR, _AROUND = 0.03, 8
-"""Share of the mean spacing within which a shift may not meet an eigenvalue, and how many of them
-around it show the gap it moves to."""
+_GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
+"""Blocks after which a run is looked at for an eigenvalue next to its shift; share of the mean
+spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
 _LIKELY_VECTORS, _COPIES = 400, 4
@@ -107,9 +107,9 @@ def lowest_eigenpairs(
     workers.report("harmonics", 0, count)
     while ladder.n_certified <= count:
         shifts = next_shifts(factorable, ladder, count=count, density=density, workers=workers)
-        found, width = shifts[-1].n_below - ladder.n_certified, shifts[-1].shift - ladder.certified
-        density = max(found, 1) / width
+        low, n_low = ladder.certified, ladder.n_certified
         _climb(shifts, ladder, factorable.at, rng=rng, workers=workers)
+        density = max(ladder.n_certified - n_low, 1) / (ladder.certified - low)
         workers.report("harmonics", min(ladder.n_certified, count), count)
     vectors = np.stack(ladder.vectors[: ladder.n_certified])
     values = ladder.values[: ladder.n_certified]
@@ -124,7 +124,7 @@ def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
 
 
 def _climb(
-    shifts: Sequence[ShiftedFactorization],
+    shifts: NextShifts,
     ladder: Ladder,
     move: Callable[[float], ShiftedFactorization],
     *,
@@ -135,18 +135,19 @@ def _climb(
 
     A shift that turns out too near an eigenvalue is moved: `move` factors at another.
     """
-    between = np.diff([ladder.n_certified, *(factors.n_below for factors in shifts)])
+    searched = shifts.searched
+    following: list[ShiftedFactorization | None] = [*searched[1:], None]
     runs = [
         workers.submit(
             _run,
             factors,
             own,
-            partial(_lacks, ladder, n_below=n_here, n_above=n_above, first=not i),
+            partial(_lacks, ladder, lower=lower, higher=higher, ceiling=shifts.ceiling),
             workers.pause,
             move,
         )
-        for i, (factors, own, n_here, n_above) in enumerate(
-            zip(shifts, rng.spawn(len(shifts)), between, [*between[1:], 0], strict=True)
+        for factors, own, lower, higher in zip(
+            searched, rng.spawn(len(searched)), [None, *searched], following, strict=False
         )
     ]
     for submitted in runs:
@@ -159,6 +160,9 @@ def _climb(
         else:
             ladder.replace_above(joint[0], run, joint[1])
         ladder.certify(factors)
+    if shifts.ceiling is not None:
+        _search(shifts.ceiling, ladder, rng=rng, workers=workers)
+        ladder.certify(shifts.ceiling)
 
 
 def _run(
@@ -172,45 +176,57 @@ def _run(
     missing = criterion(factors)
     effort = _effort(factors, missing(np.empty(0)))
     run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
-    better = _better_shift(run.until(missing))
-    if better is None:
-        return run
-    moved = move(better)
-    again = LanczosRun(moved, nothing, effort=effort, rng=rng, pause=pause)
-    return again.until(criterion(moved))
+    better = _better_shift(run.glance(_GLANCE), factors.shift)
+    if better is not None:
+        factors = move(better)
+        missing = criterion(factors)
+        run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
+    return run.until(missing)
 
 
-def _better_shift(run: LanczosRun) -> float | None:
+def _better_shift(nearest: Floats, shift: float) -> float | None:
     """The middle of the widest gap nearby, if the shift lies next to an eigenvalue; else None.
 
     Solves there are right to rounding of the nearest eigenvector's part, which swamps what
     belongs to eigenvalues far from the shift.
     """
-    distances = np.abs(run.values - run.factors.shift)
-    around = np.sort(run.values[np.argsort(distances)[:_AROUND]])
+    around = np.sort(nearest[:_AROUND])
     if len(around) < _AROUND:
         return None
-    spacing = np.ptp(run.values) / len(run.values)
-    if distances.min() > _TOO_NEAR * spacing:
+    gaps = np.diff(around)
+    if np.abs(around - shift).min() > _TOO_NEAR * gaps.mean():
         return None
-    widest = int(np.argmax(np.diff(around)))
+    widest = int(gaps.argmax())
     return float(around[widest] + around[widest + 1]) / 2
 
 
 def _lacks(
-    ladder: Ladder, factors: ShiftedFactorization, *, n_below: int, n_above: int, first: bool
+    ladder: Ladder,
+    factors: ShiftedFactorization,
+    *,
+    lower: ShiftedFactorization | None,
+    higher: ShiftedFactorization | None,
+    ceiling: ShiftedFactorization | None,
 ) -> Callable[[Floats], int]:
-    """How much a run lacks of what lies next to its shift: all below, or half of it each way.
+    """How much a run lacks of what lies next to its shift.
 
-    The first of several joins the ladder; the others are searched before it has grown to them.
+    Half of what lies between it and a neighbour is its part, and all of what lies under the
+    ceiling if it is the last. The first of several joins the ladder; the others are searched
+    before it has grown to them.
     """
-    above = (n_above + _MARGIN) // 2
-    known = len(ladder.values) - ladder.n_certified if first else n_below // 2
-    below = max(n_below - known, 0) + _MARGIN // 2
+    first, end = lower is None, np.inf
+    known = len(ladder.values) - ladder.n_certified
+    n_below = factors.n_below - (ladder.n_certified if lower is None else lower.n_below)
+    below = max(n_below - known if first else -(-n_below // 2), 0) + _MARGIN // 2
+    above = _MARGIN // 2
+    if higher is not None:
+        above += (higher.n_below - factors.n_below) // 2
+    elif ceiling is not None:
+        above, end = ceiling.n_below - factors.n_below, ceiling.shift
 
     def missing(values: Floats) -> int:
         found_below = int(np.searchsorted(values, factors.shift))
-        short = max(above - (len(values) - found_below), 0)
+        short = max(above - (int(np.searchsorted(values, end)) - found_below), 0)
         if not (first and _joins(ladder, factors, values)):
             # What is found below may be enough by number and yet not join.
             short = max(short, below - found_below, 1 if first else 0)
