@@ -5,32 +5,13 @@ import pytest
 from scipy import sparse
 
 from auricle.spectral.harmonics import LARGEST_RESIDUAL, manifold_harmonics
-from auricle.spectral.refinement import corrected, orthonormalized, overlap, rayleigh_quotients
+from auricle.spectral.orthonormal_rows import orthonormalized, overlap
+from auricle.spectral.refinement import corrected, rayleigh_quotients
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere, joined
 
 WORKERS = Workers(2)
-
-
-def orthonormal_rows(rng, count: int, n: int) -> np.ndarray:
-    return np.ascontiguousarray(np.linalg.qr(rng.standard_normal((n, count)))[0].T)
-
-
-@pytest.mark.parametrize("departure", [1e-12, 1e-7, 1e-3])
-def test_rows_become_orthonormal_and_stay_where_they_were(rng, departure) -> None:
-    exact = orthonormal_rows(rng, 130, 700)
-    mixing = rng.standard_normal((130, 130)) / 130
-    rows = exact + departure * (mixing + mixing.T) @ exact
-    better = orthonormalized(rows, WORKERS)
-    assert np.abs(overlap(better, WORKERS)).max() < 1e-13
-    np.testing.assert_allclose(better, exact, atol=1e-13)  # the polar factor, not a rotation of it
-
-
-def test_the_overlap_is_the_lower_triangle_of_the_gram_matrix_less_one(rng) -> None:
-    rows = rng.standard_normal((70, 200))
-    expected = np.tril(rows @ rows.T - np.eye(70))
-    np.testing.assert_allclose(overlap(rows, WORKERS), expected, atol=1e-12)
 
 
 def graded() -> sparse.csc_array:
@@ -46,7 +27,7 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
     matrix = graded()
     _, vectors = np.linalg.eigh(matrix.toarray())
     rows = orthonormalized(vectors[:, :20].T + 1e-15 * rng.standard_normal((20, 300)), WORKERS)
-    found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
+    found, residuals = rayleigh_quotients(matrix, rows.rows, WORKERS)
     assert (residuals / np.maximum(found, found[1])).max() > 2e-9
     rows = corrected(matrix, rows, least=float(found[1]), workers=WORKERS).rows
     found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
@@ -56,8 +37,8 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
 
 def test_what_is_good_already_is_returned_as_it_is() -> None:
     matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 50.0)))
-    rows = np.eye(5, 49)
-    assert corrected(matrix, rows, least=1.0, workers=WORKERS).rows is rows
+    given = orthonormalized(np.eye(5, 49), WORKERS)
+    assert corrected(matrix, given, least=1.0, workers=WORKERS).rows is given.rows
 
 
 def with_specks(mesh: Mesh, share: float) -> Mesh:

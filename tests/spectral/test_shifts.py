@@ -22,27 +22,58 @@ def fresh() -> Ladder:
     return Ladder(np.empty(0), [], certified=0.0)
 
 
-@pytest.mark.parametrize("count", [1, 30, 60, 500])
-def test_neighbouring_shifts_climb_and_the_last_of_all_lies_just_beyond(count) -> None:
+@pytest.mark.parametrize("count", [30, 60, 100])
+def test_shifts_climb_in_equal_shares_and_the_last_count_lies_just_beyond(count) -> None:
     found = next_shifts(one_to(1000), fresh(), count=count, density=1.0, workers=WORKERS)
-    heights = [factors.n_below for factors in found]
-    assert np.all(np.diff([0, *heights]) > 0)
-    assert heights[-1] <= count + 4
-    assert heights[0] >= min(count, 40)
+    assert found.ceiling is not None
+    heights = [factors.n_below for factors in found.searched]
+    assert count < found.ceiling.n_below <= count + 4
+    share = (count + 3) / (2 * len(heights))
+    expected = share * (1 + 2 * np.arange(len(heights)))
+    np.testing.assert_allclose(heights, expected, atol=1.5)
+
+
+def test_a_spectrum_of_many_slices_is_begun_at_its_foot() -> None:
+    found = next_shifts(one_to(1000), fresh(), count=500, density=1.0, workers=WORKERS)
+    assert found.ceiling is None
+    assert len(found.searched) == shifts.AT_ONCE
+    assert 30 < found.searched[0].n_below < 50
+
+
+def test_what_was_found_above_the_certified_is_not_searched_again() -> None:
+    """So much is known that only a count is left to be made."""
+    ladder = Ladder(np.arange(1.0, 60.0), [], certified=20.5, n_certified=20)
+    found = next_shifts(one_to(1000), ladder, count=50, density=1.0, workers=WORKERS)
+    assert not found.searched
+    assert found.ceiling is not None
+    assert 50 < found.ceiling.n_below <= 54
+
+
+@pytest.mark.parametrize("density", [0.8, 2.0])
+def test_the_last_count_is_brought_near_where_eigenvalues_are_not_as_dense_as_before(
+    density,
+) -> None:
+    found = next_shifts(one_to(1000), fresh(), count=100, density=density, workers=WORKERS)
+    assert found.ceiling is not None
+    assert 100 < found.ceiling.n_below <= 100 + 3 + 20
 
 
 def test_a_slice_denser_than_expected_is_cut_down() -> None:
-    (nearer,) = next_shifts(one_to(1000), fresh(), count=500, density=0.1, workers=WORKERS)
+    found = next_shifts(one_to(1000), fresh(), count=500, density=0.1, workers=WORKERS)
+    (nearer,) = found.searched
     assert 0 < nearer.n_below <= 80
+    assert found.ceiling is None
 
 
 def test_a_shift_that_had_to_move_past_the_next_leaves_that_out(monkeypatch) -> None:
-    """Two lie a shift's breadth apart where the last one wanted is near."""
+    """The lower of two moves up by more than what lies between them."""
     factorize = shifts.factorize
 
     def moved(matrix, shift, *, symbolic):
-        return factorize(matrix, shift + 2 * (shift < 21.7), symbolic=symbolic)
+        return factorize(matrix, shift + 54 * (shift < 30), symbolic=symbolic)
 
     monkeypatch.setattr(shifts, "factorize", moved)
-    (only,) = next_shifts(one_to(1000), fresh(), count=39, density=1.9, workers=WORKERS)
-    assert only.n_below == 23
+    found = next_shifts(one_to(1000), fresh(), count=100, density=1.0, workers=WORKERS)
+    (only,) = found.searched
+    assert only.shift > 77
+    assert found.ceiling is None

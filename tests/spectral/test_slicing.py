@@ -105,3 +105,29 @@ def test_progress_counts_up_to_what_was_asked() -> None:
     )
     assert seen[-1] == ("harmonics", 150, 150)
     assert [done for _, done, _ in seen] == sorted(done for _, done, _ in seen)
+
+
+def test_a_shift_next_to_an_eigenvalue_is_moved_after_a_few_steps(rng, monkeypatch) -> None:
+    """A whole run there would be wasted: what it finds far from the shift is not right."""
+    matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 2001.0)))
+    moved = []
+
+    def move(shift):
+        moved.append(shift)
+        return factorize(matrix, shift)
+
+    extended = []
+    extend = LanczosRun._extend
+
+    def noted(self, n_steps):
+        extended.append((self.factors.shift, n_steps))
+        extend(self, n_steps)
+
+    monkeypatch.setattr(LanczosRun, "_extend", noted)
+    near = factorize(matrix, 30.001)
+    wanted = slicing._run(near, rng, lambda _: lambda values: 0 if len(values) > 20 else 20,
+                          lambda: None, move)  # fmt: skip
+    (better,) = moved
+    assert abs(better - round(better)) == pytest.approx(0.5, abs=0.05)
+    assert [steps for shift, steps in extended if shift == near.shift] == [slicing._GLANCE]
+    np.testing.assert_allclose(wanted.values, np.round(wanted.values), atol=1e-9)

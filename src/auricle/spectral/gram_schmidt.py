@@ -8,9 +8,9 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added_product, eight, load, store, total
+from auricle.spectral.lanes import Lanes, added, added_product, eight, load, store, total
 
-_STRIP, _LANES = 512, 8
+_STRIP, _LANES = 2048, 8
 _CANCELLED = 1e-3
 _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
 """Of what of a row of length one is not in the span of those before: too little, and enough to be
@@ -39,17 +39,8 @@ def orthogonalize(basis: Floats, block: Floats) -> Floats:
     ([[3.0]], [[0.0, 4.0]])
     """
     coefficients = np.zeros((len(basis), len(block)))
-    if not len(basis):
-        return coefficients
-    before = _squares(block)
-    for _ in range(2):
-        taken = np.zeros_like(coefficients)
-        _project(basis, block, taken)
-        _subtract(basis, taken, block)
-        coefficients += taken
-        # Twice is enough (Kahan, Parlett), and once where little cancelled.
-        if (_squares(block) >= _CANCELLED**2 * before).all():
-            break
+    if len(basis):
+        _take_out(basis, block, coefficients)
     return coefficients
 
 
@@ -82,39 +73,82 @@ def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     return rows, triangle
 
 
-def _squares(rows: Floats) -> Floats:
-    squares: Floats = np.einsum("bn,bn->b", rows, rows)
-    return squares
-
-
 def _by_householder(block: Floats) -> tuple[Floats, Floats]:
     columns, triangle = np.linalg.qr(block.T)
     return np.ascontiguousarray(columns.T), triangle.T
 
 
 @compiled
+def _take_out(basis: Floats, block: Floats, coefficients: Floats) -> None:
+    """Take the span of the basis out of `block`, and add what that was to `coefficients`."""
+    before, taken = _squares(block), np.empty_like(coefficients)
+    for _ in range(2):
+        taken[:] = 0.0
+        _project(basis, block, taken)
+        _subtract(basis, taken, block)
+        coefficients += taken
+        # Twice is enough (Kahan, Parlett), and once where little cancelled.
+        if (_squares(block) >= _CANCELLED**2 * before).all():
+            break
+
+
+@compiled
+def _squares(rows: Floats) -> Floats:
+    squares = np.empty(len(rows))
+    for q in range(len(rows)):
+        squares[q] = _product(rows[q], rows[q])
+    return squares
+
+
+@compiled
+def _product(one: Floats, other: Floats) -> float:
+    """Sum of products."""
+    full, zero = len(one) - len(one) % _LANES, eight(0.0)
+    a, b, i = zero, zero, 0
+    while i + 2 * _LANES <= full:
+        a = added_product(a, load(zero, one, i), load(zero, other, i))
+        b = added_product(b, load(zero, one, i + _LANES), load(zero, other, i + _LANES))
+        i += 2 * _LANES
+    if i < full:
+        a = added_product(a, load(zero, one, i), load(zero, other, i))
+    sum_so_far = total(added(a, b))
+    for j in range(full, len(one)):
+        sum_so_far += one[j] * other[j]
+    return sum_so_far
+
+
+@compiled
 def _project(basis: Floats, block: Floats, coefficients: Floats) -> None:
-    """Add basis·blockᵀ to `coefficients`, in tiles of four vectors by four."""
+    """Add basis·blockᵀ to `coefficients`, in tiles of four vectors by four, strip by strip.
+
+    A strip of the basis is read once for all of the block, which stays in the cache.
+    """
     tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
-    for q in range(0, tiled_block, 4):
+    n = basis.shape[1]
+    for begin in range(0, n, _STRIP):
+        strip = (begin, min(begin + _STRIP, n))
         for m in range(0, tiled, 4):
-            _project_tile(basis, m, block, q, coefficients)
+            for q in range(0, tiled_block, 4):
+                _project_tile(basis, m, block, q, strip, coefficients)
     for m in range(len(basis)):
         for q in range(tiled_block if m < tiled else 0, len(block)):
             coefficients[m, q] += _product(basis[m], block[q])
 
 
 @compiled
-def _project_tile(basis: Floats, m: int, block: Floats, q: int, coefficients: Floats) -> None:
+def _project_tile(
+    basis: Floats, m: int, block: Floats, q: int, strip: tuple[int, int], coefficients: Floats
+) -> None:
     """Four vectors' inner products with four others: sixteen registers' worth of sums."""
     n = basis.shape[1]
-    numbers, others, full = basis.reshape(-1), block.reshape(-1), n - n % _LANES
+    numbers, others = basis.reshape(-1), block.reshape(-1)
+    full = strip[1] - (strip[1] - strip[0]) % _LANES
     zero = eight(0.0)
     a0, a1, a2, a3 = zero, zero, zero, zero
     b0, b1, b2, b3 = zero, zero, zero, zero
     c0, c1, c2, c3 = zero, zero, zero, zero
     d0, d1, d2, d3 = zero, zero, zero, zero
-    for i in range(0, full, _LANES):
+    for i in range(strip[0], full, _LANES):
         x0, x1 = load(zero, others, q * n + i), load(zero, others, (q + 1) * n + i)
         x2, x3 = load(zero, others, (q + 2) * n + i), load(zero, others, (q + 3) * n + i)
         a, b = load(zero, numbers, m * n + i), load(zero, numbers, (m + 1) * n + i)
@@ -131,24 +165,16 @@ def _project_tile(basis: Floats, m: int, block: Floats, q: int, coefficients: Fl
     _add_row(coefficients[m + 1], q, (total(b0), total(b1), total(b2), total(b3)))
     _add_row(coefficients[m + 2], q, (total(c0), total(c1), total(c2), total(c3)))
     _add_row(coefficients[m + 3], q, (total(d0), total(d1), total(d2), total(d3)))
-    for i in range(4):
-        for j in range(4):
-            coefficients[m + i, q + j] += _product(basis[m + i, full:], block[q + j, full:])
+    for k in range(full, strip[1]):
+        for i in range(4):
+            for j in range(4):
+                coefficients[m + i, q + j] += basis[m + i, k] * block[q + j, k]
 
 
 @compiled
 def _add_row(row: Floats, first: int, numbers: tuple[float, float, float, float]) -> None:
     for j in range(4):
         row[first + j] += numbers[j]
-
-
-@compiled
-def _product(one: Floats, other: Floats) -> float:
-    """Sum of products."""
-    sum_so_far = 0.0
-    for i in range(len(one)):
-        sum_so_far += one[i] * other[i]
-    return sum_so_far
 
 
 @compiled
@@ -159,8 +185,8 @@ def _subtract(basis: Floats, coefficients: Floats, block: Floats) -> None:
     for begin in range(0, n, _STRIP):
         end = min(begin + _STRIP, n)
         full = end - (end - begin) % _LANES
-        for q in range(0, tiled_block, 4):
-            for m in range(0, tiled, 4):
+        for m in range(0, tiled, 4):
+            for q in range(0, tiled_block, 4):
                 _subtract_tile(basis, m, coefficients, block, q, (begin, full))
         for m in range(len(basis)):
             first = tiled_block if m < tiled else 0

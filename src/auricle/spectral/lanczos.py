@@ -84,7 +84,7 @@ class LanczosRun:
         pause: Callable[[], None],
     ) -> None:
         self._pause = pause
-        self._scale, self._lost, self._owed = 0.0, _LEAST_LOST, False
+        self._scale, self._least, self._lost = 0.0, _LEAST_LOST, (_LEAST_LOST, _LEAST_LOST)
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_known, self._n_steps = effort, len(known), 0
         block, most_steps = effort.block, effort.most
@@ -114,11 +114,10 @@ class LanczosRun:
     def glance(self, n_steps: int) -> Floats:
         """Rough eigenvalues after so few steps, those that are nearest to the shift first."""
         self._extend(min(n_steps, self._effort.most))
-        size = self._n_steps * self._effort.block
-        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
-        leftover = np.linalg.norm(self._coupling.T @ rotations[-self._effort.block :], axis=0)
-        rough = inverses[leftover <= _ROUGH * np.abs(inverses)]
-        return self.factors.shift + 1 / rough[np.argsort(-np.abs(rough))]
+        inverses, _, leftover = self._ritz()
+        rough = inverses[np.linalg.norm(leftover, axis=0) <= _ROUGH * np.abs(inverses)]
+        nearest_first: Floats = rough[np.argsort(-np.abs(rough))]
+        return self.factors.shift + 1 / nearest_first
 
     def vectors(self, first: int = 0) -> Floats:
         """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""
@@ -131,41 +130,56 @@ class LanczosRun:
         for step in range(self._n_steps, n_steps):
             self._pause()
             end = self._n_known + (step + 1) * self._effort.block
-            newest = self._basis[end - self._effort.block : end]
-            image = np.ascontiguousarray(self.factors.solve(newest.T).T)
-            diagonal = self._orthogonalized(image, end)
+            image = self._basis[end : end + self._effort.block]
+            image[:] = self.factors.solve(self._basis[end - self._effort.block : end].T).T
+            diagonal = self._orthogonalized(end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
             if step:
                 before = slice(here.start - self._effort.block, here.start)
                 self._projected[before, here] = self._coupling
                 self._projected[here, before] = self._coupling.T
-            self._basis[end : end + self._effort.block], self._coupling = orthonormal(image)
-        self._n_steps = n_steps
+            image[:], self._coupling = orthonormal(image)
+        self._n_steps = max(n_steps, self._n_steps)
 
-    def _orthogonalized(self, image: Floats, end: int) -> Floats:
+    def _orthogonalized(self, end: int) -> Floats:
         """Make the image of a block orthogonal to the basis; returns its part in that block.
 
         In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
-        and every step that looks at the last two only enlarges that by the ratio of the operator to
-        what is left of the image. Before it is too much two steps in a row look at all, for the two
-        blocks that go into what follows (Simon 1984, partial reorthogonalisation).
+        and every step that looks at the last two only enlarges that, by the ratio of the operator
+        to what is left of the image. Before it is too much all are taken out of the last block and
+        the image, which is what goes into the steps that follow (Simon 1984, partial
+        reorthogonalisation).
         """
         block = self._effort.block
-        near = max(end - 2 * block, 0)
-        inside = orthogonalize(self._basis[near:end], image)
-        self._scale = max(self._scale, float(np.linalg.norm(inside)))
-        self._lost *= self._scale / np.sqrt((image**2).sum(axis=1).min())
-        if self._n_known or self._owed or not self._lost < _MOST_LOST:
+        image = self._basis[end : end + block]
+        inside = orthogonalize(self._basis[max(end - 2 * block, 0) : end], image)
+        if self._n_known:
             inside[-block:] += orthogonalize(self._basis[:end], image)[-block:]
-            self._owed, self._lost = not self._owed, _LEAST_LOST
+            return inside[-block:]
+        self._scale = max(self._scale, float(np.linalg.norm(inside)))
+        sizes = np.sqrt((image**2).sum(axis=1))
+        before, last = self._lost
+        self._lost = (last, last * self._scale / sizes.min() + before)
+        if not self._lost[1] < _MOST_LOST:
+            pair = self._basis[end - block : end + block]
+            found = np.abs(orthogonalize(self._basis[: end - block], pair)[:, block:])
+            orthogonalize(self._basis[end - block : end], image)
+            # What was found tells how much rounding leaves in this run.
+            excess = float((found.max(axis=0, initial=0.0) / sizes).max()) / self._lost[1]
+            self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LOST)
+            self._lost = (self._least, self._least)
         return inside[-block:]
+
+    def _ritz(self) -> tuple[Floats, Floats, Floats]:
+        """Ritz values of the inverse, weights in the basis, and what couples these onwards."""
+        size = self._n_steps * self._effort.block
+        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
+        return inverses, rotations, self._coupling.T @ rotations[-self._effort.block :]
 
     def _converge(self) -> None:
         """Look at which eigenvalues have converged, and their weights in the basis."""
-        size = self._n_steps * self._effort.block
-        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
-        leftover = self._coupling.T @ rotations[-self._effort.block :]
+        inverses, rotations, leftover = self._ritz()
         good = np.linalg.norm(leftover, axis=0) <= self._effort.tolerance * np.abs(inverses)
         values = self.factors.shift + 1 / inverses[good]
         chosen = np.flatnonzero(good)[np.argsort(values)]

@@ -79,19 +79,13 @@ def _overlap(rows: Floats, parts: list[slice], reach: int, workers: Workers) -> 
 
     workers.each(
         fill,
-        [
-            (one, other)
-            for i, one in enumerate(parts)
-            for other in parts[max(i - reach, 0) : i + 1]
-        ],
+        [(one, other) for i, one in enumerate(parts) for other in parts[max(i - reach, 0) : i + 1]],
     )
     products[np.diag_indices_from(products)] -= 1.0
     return np.tril(products)
 
 
-def _step(
-    rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers
-) -> Floats:
+def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:
     """Rows less half of their overlaps, with those at most `reach` parts before and after."""
     stepped = np.empty_like(rows)
     sources, factors = rows, 0.5 * (np.tril(lower, -1) + lower.T)

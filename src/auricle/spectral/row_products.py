@@ -1,12 +1,17 @@
 """Products of a sparse symmetric matrix with many vectors, one a row."""
 
+from typing import TypeAlias
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
-from auricle.arrays import Floats, Integers
+from auricle.arrays import Floats
 from auricle.compiled import compiled
 from auricle.spectral.lanes import Lanes, added_multiple, eight, four, load, store, width
 
+Entries: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], Floats]
+"""Where each column begins, rows of its entries, and these: as a compressed matrix holds them."""
 _NARROW, _WIDE = 4, 8
 """Vectors that are multiplied at a time: entries of that many lie side by side."""
 
@@ -40,23 +45,17 @@ def row_products(matrix: sparse.csc_array, rows: Floats) -> Floats:
 
 
 @compiled
-def _four_products(
-    entries: tuple[Integers, Integers, Floats], rows: Floats, products: Floats
-) -> None:
+def _four_products(entries: Entries, rows: Floats, products: Floats) -> None:
     _products(entries, rows, products, four(0.0))
 
 
 @compiled
-def _eight_products(
-    entries: tuple[Integers, Integers, Floats], rows: Floats, products: Floats
-) -> None:
+def _eight_products(entries: Entries, rows: Floats, products: Floats) -> None:
     _products(entries, rows, products, eight(0.0))
 
 
 @compiled
-def _products(
-    entries: tuple[Integers, Integers, Floats], rows: Floats, products: Floats, zero: Lanes
-) -> None:
+def _products(entries: Entries, rows: Floats, products: Floats, zero: Lanes) -> None:
     starts, neighbours, data = entries
     n_rows, n = rows.shape
     lanes = width(zero)

@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from scipy import sparse
 
+from auricle.arrays import Floats
 from auricle.spectral.factorization import (
     ShiftedFactorization,
     SymbolicFactorization,
@@ -82,6 +84,8 @@ def next_shifts(
     of eigenvalues met so far; one that turns out much further up is left for another time.
     """
     known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
+    if known >= count + 2:
+        return NextShifts((), factorable.at(widest_gap(ladder.values[count:])))
     spacing, left = 1 / density, count + _BEYOND - known
     n_runs = _shares(left, factorable.reach)
     heights = [known + left * (1 + 2 * i) / (2 * n_runs) for i in range(min(n_runs, AT_ONCE))]
@@ -90,48 +94,53 @@ def next_shifts(
     searched: list[ShiftedFactorization] = []
     for factors in tried:
         # A shift that could not be factored where it was wanted has moved up, past the next maybe.
-        needless = searched and (searched[-1].n_below > count or searched[-1].shift >= factors.shift)
+        last = searched[-1] if searched else None
+        needless = last is not None and (last.n_below > count or last.shift >= factors.shift)
         if needless or factors.n_below - known > 2 * factorable.reach:
             break
         searched.append(factors)
         known = factors.n_below + factorable.reach
-    if tried and not searched:
+    if not searched:
         searched.append(_nearer(factorable, ladder, tried[0], spacing))
-    if len(searched) < n_runs or (searched and searched[-1].n_below > count):
+    if len(searched) < n_runs or searched[-1].n_below > count:
         return NextShifts(searched, None)
-    from_here = (searched[-1].shift, searched[-1].n_below) if searched else (low, n_low)
-    return NextShifts(searched, _ceiling(factorable, from_here, count=count, spacing=spacing))
+    return NextShifts(searched, _ceiling(factorable, searched[-1], count=count, spacing=spacing))
 
 
 def _shares(left: int, reach: int) -> int:
     """Among how many shifts so many eigenvalues are shared out: as many as go at once, or more."""
     if left <= reach:
-        return int(left > 0)
+        return 1
     return AT_ONCE * max(round(left / (2 * reach * AT_ONCE)), 1)
 
 
 def _ceiling(
-    factorable: Factorable, below: tuple[float, int], *, count: int, spacing: float
+    factorable: Factorable, below: ShiftedFactorization, *, count: int, spacing: float
 ) -> ShiftedFactorization | None:
     """Factors with at least one eigenvalue more below them than are wanted, and not many more.
 
-    Placed as if eigenvalues went on as before, and again by what is counted there.
+    Placed as if eigenvalues went on as they did, and again by how many are counted there.
     """
     wanted, best = count + _BEYOND, None
-    low, n_low = below
-    place = low + (wanted - n_low) * spacing
+    low, n_low = below.shift, below.n_below
     for _ in range(_PLACINGS):
-        factors = factorable.at(place)
+        factors = factorable.at(low + (wanted - n_low) * spacing)
         n_here = factors.n_below
+        if n_here > n_low:
+            spacing = (factors.shift - low) / (n_here - n_low)
         if n_here <= count:
             low, n_low = factors.shift, n_here
-            place = low + (wanted - n_low) * spacing
-        else:
-            best = factors
-            if n_here <= wanted + _SURPLUS:
-                break
-            place = low + (factors.shift - low) * (wanted - n_low) / (n_here - n_low)
+            continue
+        best = factors
+        if n_here <= wanted + _SURPLUS:
+            break
     return best
+
+
+def widest_gap(values: Floats) -> float:
+    """The middle of the widest gap between neighbours."""
+    widest = int(np.diff(values).argmax())
+    return float(values[widest] + values[widest + 1]) / 2
 
 
 def _nearer(

@@ -18,7 +18,7 @@ from auricle.spectral.factorization import ShiftedFactorization, SymbolicFactori
 from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
-from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts
+from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts, widest_gap
 from auricle.spectral.workers import Workers
 
 _BLOCK, _SEARCH_BLOCK, _WIDEST_BLOCK = 4, 8, 32
@@ -193,11 +193,9 @@ def _better_shift(nearest: Floats, shift: float) -> float | None:
     around = np.sort(nearest[:_AROUND])
     if len(around) < _AROUND:
         return None
-    gaps = np.diff(around)
-    if np.abs(around - shift).min() > _TOO_NEAR * gaps.mean():
+    if np.abs(around - shift).min() > _TOO_NEAR * np.diff(around).mean():
         return None
-    widest = int(gaps.argmax())
-    return float(around[widest] + around[widest + 1]) / 2
+    return widest_gap(around)
 
 
 def _lacks(
