@@ -5,9 +5,11 @@ import numpy as np
 from auricle.arrays import Floats, Truths
 from auricle.compiled import compiled
 from auricle.spectral.elimination import EliminationPlan
+from auricle.spectral.lanes import added_product, eight, load, store
 
 _DOMINANCE = 0.3
 """A diagonal entry this large against the rest of its column is a pivot, else half of a pair."""
+_LANES = 8
 _STRIP = 64
 """Rows of a strip of a Schur complement, whose lower triangle is stored strip by strip."""
 _LARGEST_PRODUCT = 64**3
@@ -55,6 +57,7 @@ def _eliminate(
     """Fill `panels`; returns the number of negative eigenvalues, or -1 at a refused pivot."""
     data, shift, least_pivots = values
     front = np.empty(_largest_panel(plan))
+    room = np.empty(_room(plan))
     waiting = np.empty(len(plan.parent) + 1, np.int64)
     begins = np.zeros(len(plan.parent) + 2, np.int64)
     n_waiting, n_below = 0, 0
@@ -67,7 +70,7 @@ def _eliminate(
             oldest -= 1
             _subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
         factor = panels[plan.panel_start[s] : plan.panel_start[s + 1]]
-        n_negative = _invert(panel, least_pivots[first:end], factor)
+        n_negative = _invert(panel, least_pivots[first:end], room, factor)
         if n_negative < 0:
             return -1
         n_below += n_negative
@@ -166,23 +169,29 @@ def _multiply_rows(left: Floats, right: Floats, product: Floats) -> None:
 
 
 @compiled
-def _invert(panel: Floats, least_pivots: Floats, factor: Floats) -> int:
+def _invert(panel: Floats, least_pivots: Floats, room: Floats, factor: Floats) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
     By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
     entry next to it, on the two together. Returns the number of negative pivots, which is that of
-    negative eigenvalues; -1 if a pivot is no larger than the least allowed.
+    negative eigenvalues; -1 if a pivot is no larger than the least allowed. Rows are worked on in
+    `room`, filled up to whole registers.
     """
     size = len(least_pivots)
-    square = factor[: size * size].reshape((size, size))
+    stride = size + -size % _LANES
+    square = room[: size * stride].reshape((size, stride))
+    columns = room[size * stride : (size + 4) * stride].reshape((4, stride))
+    square[:] = 0.0
+    columns[:] = 0.0
     for i in range(size):
         for j in range(i + 1):
             square[i, j] = square[j, i] = panel[i * size + j]
-    columns = np.empty((2, size))
     left = np.ones(size, np.bool_)
     n_left, n_negative = size, 0
     while n_left > 0:
-        k = _largest(np.diag(square), left)
+        for i in range(size):
+            columns[2, i] = square[i, i]
+        k = _largest(columns[2], left)
         left[k] = False
         pair = _largest(square[k], left)
         beside = abs(square[k, pair]) if left[pair] else 0.0
@@ -197,8 +206,9 @@ def _invert(panel: Floats, least_pivots: Floats, factor: Floats) -> int:
             n_negative += 1
             n_left -= 2
             _sweep_pair(square, k, pair, columns)
-    for i in range(size * size):
-        factor[i] = -factor[i]
+    for i in range(size):
+        for j in range(size):
+            factor[i * size + j] = -square[i, j]
     return n_negative
 
 
@@ -206,7 +216,7 @@ def _invert(panel: Floats, least_pivots: Floats, factor: Floats) -> int:
 def _largest(numbers: Floats, candidates: Truths) -> int:
     """Index of the candidate of largest magnitude; 0 where there is none."""
     found, largest = 0, -1.0
-    for i in range(len(numbers)):
+    for i in range(len(candidates)):
         if candidates[i] and abs(numbers[i]) > largest:
             found, largest = i, abs(numbers[i])
     return found
@@ -215,15 +225,17 @@ def _largest(numbers: Floats, candidates: Truths) -> int:
 @compiled
 def _sweep(square: Floats, k: int, columns: Floats) -> None:
     """Exchange variable k of a symmetric system with its right-hand side."""
-    size = len(square)
+    size, stride = square.shape
     inverse = 1 / square[k, k]
-    column = columns[0]
-    for j in range(size):
-        column[j] = square[k, j]
+    for j in range(stride):
+        columns[0, j] = square[k, j]
+    entries, column = square.reshape(-1), columns[0]
     for i in range(size):
-        factor = column[i] * inverse
-        for j in range(size):
-            square[i, j] -= factor * column[j]
+        factor = eight(-column[i] * inverse)
+        for j in range(0, stride, _LANES):
+            place = i * stride + j
+            swept = added_product(load(factor, entries, place), factor, load(factor, column, j))
+            store(swept, entries, place)
     for i in range(size):
         square[i, k] = square[k, i] = column[i] * inverse
     square[k, k] = -inverse
@@ -232,21 +244,25 @@ def _sweep(square: Floats, k: int, columns: Floats) -> None:
 @compiled
 def _sweep_pair(square: Floats, k: int, pair: int, columns: Floats) -> None:
     """Exchange two variables of a symmetric system with their right-hand sides."""
-    size = len(square)
+    size, stride = square.shape
     determinant = square[k, k] * square[pair, pair] - square[k, pair] ** 2
     a, c = square[pair, pair] / determinant, square[k, k] / determinant
     b = -square[k, pair] / determinant
-    for j in range(size):
+    for j in range(stride):
         columns[0, j] = square[k, j]
         columns[1, j] = square[pair, j]
+        columns[2, j] = columns[0, j] * a + columns[1, j] * b
+        columns[3, j] = columns[0, j] * b + columns[1, j] * c
+    entries = square.reshape(-1)
     for i in range(size):
-        one = columns[0, i] * a + columns[1, i] * b
-        other = columns[0, i] * b + columns[1, i] * c
-        for j in range(size):
-            square[i, j] -= one * columns[0, j] + other * columns[1, j]
+        one, other = eight(-columns[2, i]), eight(-columns[3, i])
+        for j in range(0, stride, _LANES):
+            place = i * stride + j
+            swept = added_product(load(one, entries, place), one, load(one, columns[0], j))
+            store(added_product(swept, other, load(one, columns[1], j)), entries, place)
     for i in range(size):
-        square[i, k] = square[k, i] = columns[0, i] * a + columns[1, i] * b
-        square[i, pair] = square[pair, i] = columns[0, i] * b + columns[1, i] * c
+        square[i, k] = square[k, i] = columns[2, i]
+        square[i, pair] = square[pair, i] = columns[3, i]
     square[k, k], square[pair, pair] = -a, -c
     square[k, pair] = square[pair, k] = -b
 
@@ -290,3 +306,13 @@ def _largest_panel(plan: EliminationPlan) -> int:
     for s in range(len(plan.parent)):
         largest = max(largest, plan.panel_start[s + 1] - plan.panel_start[s])
     return largest
+
+
+@compiled
+def _room(plan: EliminationPlan) -> int:
+    """Numbers that the widest supernode's square takes, its rows filled up, with four rows more."""
+    widest = 0
+    for s in range(len(plan.parent)):
+        widest = max(widest, plan.first_column[s + 1] - plan.first_column[s])
+    stride = widest + -widest % _LANES
+    return (widest + 4) * stride

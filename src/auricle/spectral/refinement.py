@@ -17,7 +17,7 @@ from auricle.spectral.row_products import row_products
 from auricle.spectral.workers import Workers
 
 _AT_ONCE = 16
-_ENOUGH = 5e-10
+_ENOUGH, _NEARLY = 5e-10, 0.2
 _CORRECTIONS = 5
 _PROGRESS = 0.5
 """Share of the largest residual that must be gone for another correction to be worth its time, from
@@ -92,7 +92,10 @@ def corrected(
     for attempt in range(_CORRECTIONS + 1):
         values, residuals = rayleigh_quotients(matrix, rows, workers)
         relative = residuals / np.maximum(values, least)
-        poor = np.flatnonzero(relative > _ENOUGH)
+        # Those nearly poor would be the next to be so.
+        poor = np.flatnonzero(
+            relative > (_NEARLY * _ENOUGH if relative.max() > _ENOUGH else np.inf)
+        )
         stuck = attempt > 1 and relative.max() > _PROGRESS * before
         if not len(poor) or attempt == _CORRECTIONS or stuck:
             break
