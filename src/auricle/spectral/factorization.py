@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from auricle.arrays import Floats, Integers
+from auricle.compiled import compiled
 from auricle.errors import SolverError
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
 from auricle.spectral.ldl import eliminate, working_size
@@ -114,7 +115,10 @@ class ShiftedFactorization:
     def __post_init__(self) -> None:
         right = np.random.default_rng(0).standard_normal(self.size)
         solution = self.solve(right, refine=False)
-        sizes = abs(self._matrix) @ np.abs(solution) + abs(self.shift) * np.abs(solution)
+        sizes = _products_of_magnitudes(
+            self._matrix.indptr, self._matrix.indices, self._matrix.data, solution
+        )
+        sizes += abs(self.shift) * np.abs(solution)
         errors = np.abs(self._residual(right, solution)) / (sizes + np.abs(right))
         object.__setattr__(self, "backward_error", float(errors.max()))
 
@@ -183,7 +187,7 @@ def factorize(
     if not symbolic.fits(matrix):
         raise SolverError("the matrix has another pattern than its analysis: analyze it anew")
     data = np.require(matrix.data, np.float64, ["C", "W"])
-    magnitudes = abs(matrix).max(axis=0).toarray()
+    magnitudes = _largest_magnitudes(matrix.indptr, matrix.data)
     least_pivots = _TINY_PIVOT * magnitudes[symbolic.plan.order]
     scale = float(magnitudes.max())
     moved = float(shift)
@@ -196,3 +200,25 @@ def factorize(
                 return factors
         moved = shift + max(_MOVE * abs(shift), _LEAST_MOVE * scale) * 2**attempt
     raise SolverError(f"no shift near {shift:.6g} can be factored: is the surface degenerate?")
+
+
+@compiled
+def _largest_magnitudes(starts: NDArray[np.int32], data: Floats) -> Floats:
+    """Of the entries of each column; 0 where there is none."""
+    largest = np.zeros(len(starts) - 1)
+    for column in range(len(largest)):
+        for e in range(starts[column], starts[column + 1]):
+            largest[column] = max(largest[column], abs(data[e]))
+    return largest
+
+
+@compiled
+def _products_of_magnitudes(
+    starts: NDArray[np.int32], neighbours: NDArray[np.int32], data: Floats, vector: Floats
+) -> Floats:
+    """|matrix|·|vector| of a symmetric matrix."""
+    products = np.zeros(len(vector))
+    for row in range(len(vector)):
+        for e in range(starts[row], starts[row + 1]):
+            products[row] += abs(data[e] * vector[neighbours[e]])
+    return products
