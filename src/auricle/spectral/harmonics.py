@@ -16,7 +16,7 @@ from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
 from auricle.spectral.orthonormal_rows import orthonormalized
 from auricle.spectral.power import Spectrum
-from auricle.spectral.refinement import Refined, corrected
+from auricle.spectral.refinement import Refined, corrected, freed_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
@@ -251,10 +251,14 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
             symbolic=symbolic,
         )
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
+    least = _least(pairs.values, scale)
+    rows = freed_of_rounding(
+        matrix, pairs.vectors[:n_returned], least=least, workers=workers, symbolic=symbolic
+    )
     refined = corrected(
         matrix,
-        orthonormalized(pairs.vectors[:n_returned], workers),
-        least=_least(pairs.values, scale),
+        orthonormalized(rows, workers),
+        least=least,
         workers=workers,
         symbolic=symbolic,
     )

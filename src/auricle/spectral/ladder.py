@@ -6,7 +6,6 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
-from auricle.spectral.lanczos import LanczosRun
 
 _AGREEMENT = 1e-8
 """Share of a slice within which two runs' eigenvalues are the same."""
@@ -33,11 +32,11 @@ class Ladder:
         self.values = together[order]
         self.vectors = [rows[i] for i in order]
 
-    def replace_above(self, kept: int, run: LanczosRun, first: int) -> None:
-        """Keep `kept` pairs above the certified ones, then go on with the run's from `first`."""
+    def replace_above(self, kept: int, values: Floats, vectors: Floats) -> None:
+        """Keep `kept` pairs above the certified ones, then go on with these, one a row."""
         height = self.n_certified + kept
-        self.values = np.concatenate([self.values[:height], run.values[first:]])
-        self.vectors = [*self.vectors[:height], *run.vectors(first)]
+        self.values = np.concatenate([self.values[:height], values])
+        self.vectors = [*self.vectors[:height], *vectors]
 
     def certify(self, factors: ShiftedFactorization) -> None:
         """Note that every eigenvalue under the shift is on the ladder."""

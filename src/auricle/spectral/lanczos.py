@@ -10,6 +10,7 @@ from scipy.linalg import eigh
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
 from auricle.spectral.gram_schmidt import orthogonalize, orthonormal
+from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
@@ -119,10 +120,24 @@ class LanczosRun:
         nearest_first: Floats = rough[np.argsort(-np.abs(rough))]
         return self.factors.shift + 1 / nearest_first
 
-    def vectors(self, first: int = 0) -> Floats:
-        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""
+    def vectors(self, first: int = 0, workers: Workers | None = None) -> Floats:
+        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n).
+
+        In two halves, which `workers` make side by side.
+        """
         own = self._basis[self._n_known : self._n_known + len(self._weights)]
-        found: Floats = self._weights[:, first:].T @ own
+        weights = np.ascontiguousarray(self._weights[:, first:].T)
+        found = np.empty((len(weights), self.factors.size))
+
+        def fill(some: slice) -> None:
+            np.matmul(weights, own[:, some], out=found[:, some])
+
+        half = self.factors.size // 2
+        halves = [slice(0, half), slice(half, None)]
+        if workers is None:
+            list(map(fill, halves))
+        else:
+            workers.each(fill, halves)
         return found
 
     def _extend(self, n_steps: int) -> None:

@@ -181,11 +181,8 @@ def _invert(panel: Floats, least_pivots: Floats, room: Floats, factor: Floats) -
     stride = size + -size % _LANES
     square = room[: size * stride].reshape((size, stride))
     columns = room[size * stride : (size + 4) * stride].reshape((4, stride))
-    square[:] = 0.0
     columns[:] = 0.0
-    for i in range(size):
-        for j in range(i + 1):
-            square[i, j] = square[j, i] = panel[i * size + j]
+    _fill_square(panel, square)
     left = np.ones(size, np.bool_)
     n_left, n_negative = size, 0
     while n_left > 0:
@@ -210,6 +207,16 @@ def _invert(panel: Floats, least_pivots: Floats, room: Floats, factor: Floats) -
         for j in range(size):
             factor[i * size + j] = -square[i, j]
     return n_negative
+
+
+@compiled
+def _fill_square(panel: Floats, square: Floats) -> None:
+    """Set a square to the top of a panel, given by its lower triangle, and the rest to 0."""
+    size = len(square)
+    square[:] = 0.0
+    for i in range(size):
+        for j in range(i + 1):
+            square[i, j] = square[j, i] = panel[i * size + j]
 
 
 @compiled

@@ -158,7 +158,8 @@ def _climb(
         if joint is None:
             _search(factors, ladder, rng=rng, workers=workers)
         else:
-            ladder.replace_above(joint[0], run, joint[1])
+            kept, first = joint
+            ladder.replace_above(kept, run.values[first:], run.vectors(first, workers))
         ladder.certify(factors)
     if shifts.ceiling is not None:
         _search(shifts.ceiling, ladder, rng=rng, workers=workers)
@@ -260,7 +261,7 @@ def _search(
         workers.result(workers.submit(run.until))
         # Under the certified height everything is known: what is met there again is left.
         fresh = int(np.searchsorted(run.values, ladder.certified, side="right"))
-        ladder.add(run.values[fresh:], run.vectors(fresh))
+        ladder.add(run.values[fresh:], run.vectors(fresh, workers))
         before, missing = missing, factors.n_below - ladder.n_below(factors.shift)
         fruitless = fruitless + 1 if missing >= before and block == _WIDEST_BLOCK else 0
         block, attempt = min(2 * block, _WIDEST_BLOCK), attempt + 1
