@@ -134,10 +134,11 @@ class LanczosRun:
 
         half = self.factors.size // 2
         halves = [slice(0, half), slice(half, None)]
-        if workers is None:
-            list(map(fill, halves))
-        else:
+        if workers is not None:
             workers.each(fill, halves)
+        else:
+            for some in halves:
+                fill(some)
         return found
 
     def _extend(self, n_steps: int) -> None:
