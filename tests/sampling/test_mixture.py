@@ -11,7 +11,7 @@ from auricle.sampling.cross_validation import from_some
 from auricle.sampling.gaussian_process import GaussianProcess
 from auricle.sampling.reconstruction import Reconstruction
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import SHARES
+from auricle.sampling.splines import shares
 
 
 def scattered(chamber: Chamber, count: int, seed: int = 4) -> Sites:
@@ -33,8 +33,8 @@ def fitted(chamber: Chamber, truth: Floats, count: int = 60) -> Reconstruction:
 
 def test_the_map_is_the_mean_of_its_members_by_their_shares(fine_chamber: Chamber) -> None:
     found = fitted(fine_chamber, activation(fine_chamber))
-    assert [(term.power, term.share) for _, term in found.splines] == list(SHARES)
-    expected = (1 - sum(share for _, share in SHARES)) * found.process_mean
+    assert [(term.power, term.share) for _, term in found.splines] == list(shares(60))
+    expected = (1 - sum(share for _, share in shares(60))) * found.process_mean
     centre = found.values.mean()
     for spline, term in found.splines:
         alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre

@@ -9,7 +9,7 @@ from auricle.sampling.baselines import BASELINES
 from auricle.sampling.chamber import Chamber, chamber
 from auricle.sampling.noise_shape import relative_noise
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import WALL_SHARE, Spline, wall_places
+from auricle.sampling.splines import WALL_SHARE, Spline, shares, wall_places
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere
 
@@ -116,17 +116,26 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
     peak = np.where(upper, np.exp(-(vertices[:, 0] ** 2 + vertices[:, 1] ** 2) / 128), 0)
     chosen = np.random.default_rng(1).choice(flat.mesh.n_vertices, 250, replace=False)
     sites = Sites.at_vertices(chosen)
+    alone = [
+        Spline(flat, sites, power, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0]
+        for power in POWERS
+    ]
+    mixed = sum(share * each for (_, share), each in zip(shares(len(chosen)), alone, strict=True))
     leaked = [
         np.abs(rebuilt[middle & ~upper]).max()
-        for rebuilt in (
-            BASELINES["linear_radial"](flat, sites, peak[chosen]),
-            Spline(flat, sites, 1.0, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0],
-            Spline(flat, sites, 1.8, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0],
-        )
+        for rebuilt in (BASELINES["linear_radial"](flat, sites, peak[chosen]), *alone, mixed)
     ]
     assert leaked[0] > 0.15
-    assert leaked[1] < 0.6 * leaked[0]
-    assert leaked[2] < 0.4 * leaked[0]
+    assert leaked[1] < 0.75 * leaked[0]
+    assert leaked[2] < 0.45 * leaked[0]
+    assert leaked[3] < 0.2 * leaked[0]
+
+
+def test_the_rough_spline_has_less_the_more_samples_and_the_splines_as_much_together() -> None:
+    each = np.array([[share for _, share in shares(count)] for count in (5, 25, 50, 100, 800)])
+    assert (np.diff(each[:, 0]) <= 0).all()
+    assert each[-1, 0] < 0.1 * each[0, 0]
+    np.testing.assert_allclose(each.sum(axis=1), 0.4)
 
 
 @pytest.mark.parametrize("power", POWERS)

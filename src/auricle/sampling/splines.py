@@ -13,9 +13,13 @@ from auricle.sampling.chamber import Chamber
 from auricle.sampling.noise_shape import weighted_deviation
 from auricle.sampling.sites import Sites
 
-SHARES = ((1.0, 0.2), (1.8, 0.3))
-"""Power of the distance, and share in the map, of every spline; the rest is the process'."""
-WALL_SHARE = 1 / 12
+ROUGH, SMOOTH = 1.0, 1.8
+"""Power of the distance of either spline of a mixture."""
+SPLINES = 0.4
+"""Share of both together in a map; the rest is the process'."""
+MOST_ROUGH, ROUGH_SAMPLES = 0.2, 10
+"""Share of the rough one: at most, and times the number of samples beyond."""
+WALL_SHARE = 1 / 18
 """How far apart, relative to the diameter √(A/π), walls of normals a radian apart count."""
 NORMAL_MODES = 60
 """Harmonics that carry the direction of the wall: its folds, not the roughness of a mesh."""
@@ -41,6 +45,20 @@ class SplineTerm:
     power: float
     share: float
     smoothing: float
+
+
+def shares(n_samples: int) -> tuple[tuple[float, float], ...]:
+    """Power of the distance, and share in the map, of every spline.
+
+    The rougher one has less where many samples tell the process how rough a map is.
+
+    Examples
+    --------
+    >>> [round(share, 2) for count in (50, 200) for _, share in shares(count)]
+    [0.2, 0.2, 0.05, 0.35]
+    """
+    rough = min(MOST_ROUGH, ROUGH_SAMPLES / n_samples)
+    return (ROUGH, rough), (SMOOTH, SPLINES - rough)
 
 
 def wall_places(chamber: Chamber) -> Floats:
