@@ -136,7 +136,8 @@ def _within(values: Floats, width: float, thinner: float = THINNER) -> _Crowd | 
     count = int(here.sum())
     end = min(ABOUT * width, MOST_ABOUT * float(above.max()))
     beside = int((~here & (above <= end)).sum())
-    if count < 2 or beside * width > thinner * count * max(end - width, 0.0):
+    too_wide = width > WIDEST * float(above.max())
+    if too_wide or count < 2 or beside * width > thinner * count * (end - width):
         return None
     lowest, median = float(values.min()), float(np.median(values[here]))
     return _Crowd(lowest, median, float(values[here].std()), count)
