@@ -11,43 +11,12 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+from markdown_tables import Row, median, number, table, values_of, where
 
 from auricle.atomic import write_text
 
 REPORT = Path(__file__).resolve().parents[1] / "docs" / "calibration.md"
 BASELINES = ("nearest", "inverse_distance", "harmonic", "linear_radial", "thin_plate")
-Row = dict[str, str]
-
-
-def number(row: Row, name: str) -> float:
-    """A cell as a number."""
-    return float(row[name])
-
-
-def median(rows: Iterable[Row], name: str) -> str:
-    """Median of a column, to three digits."""
-    values = [number(row, name) for row in rows if row[name]]
-    return f"{np.median(values):.3g}" if values else "–"
-
-
-def values_of(rows: Sequence[Row], name: str) -> list[str]:
-    """Values a column takes, numbers in order."""
-    found = {row[name] for row in rows}
-    try:
-        return sorted(found, key=float)
-    except ValueError:
-        return sorted(found)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def where(rows: Sequence[Row], **kept: str) -> list[Row]:
-    """Rows with these values."""
-    return [row for row in rows if all(row[name] == value for name, value in kept.items())]
 
 
 def coverage_table(rows: Sequence[Row]) -> str:
