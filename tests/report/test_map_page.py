@@ -133,7 +133,7 @@ def test_what_the_map_is_a_mean_of_is_said_and_only_of_a_mean(found, nothing, cy
     ]
     said = words(map_page(found, FIGURES))
     assert f"harmonics ({shares[0]})" in said
-    assert f"({shares[1]} and {shares[2]})" in said
+    assert f"splines through space ({' and '.join(shares[1:])})" in said
     assert "that many samples share" in said
     assert "that many samples share" not in words(map_page(cyclic, FIGURES))
     alone = replace(found, hyperparameters=replace(found.hyperparameters, splines=()))

@@ -120,7 +120,7 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
         Spline(flat, sites, power, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0]
         for power in POWERS
     ]
-    mixed = sum(share * each for (_, share), each in zip(shares(len(chosen)), alone, strict=True))
+    mixed = sum(share * alone[POWERS.index(power)] for power, share in shares(len(chosen)))
     leaked = [
         np.abs(rebuilt[middle & ~upper]).max()
         for rebuilt in (BASELINES["linear_radial"](flat, sites, peak[chosen]), *alone, mixed)
@@ -128,14 +128,17 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
     assert leaked[0] > 0.15
     assert leaked[1] < 0.75 * leaked[0]
     assert leaked[2] < 0.45 * leaked[0]
-    assert leaked[3] < 0.2 * leaked[0]
+    assert leaked[3] < 0.22 * leaked[0]
 
 
-def test_the_rough_spline_has_less_the_more_samples_and_the_splines_as_much_together() -> None:
-    each = np.array([[share for _, share in shares(count)] for count in (5, 25, 50, 100, 800)])
-    assert (np.diff(each[:, 0]) <= 0).all()
-    assert each[-1, 0] < 0.1 * each[0, 0]
-    np.testing.assert_allclose(each.sum(axis=1), 0.4)
+def test_the_rough_spline_shares_where_samples_are_few_and_both_have_half_together() -> None:
+    each = [dict(shares(count)) for count in (5, 25, 30, 40, 49, 50, 800)]
+    rough = [found.get(POWERS[0], 0.0) for found in each]
+    assert rough[:2] == [0.25, 0.25]
+    assert (np.diff(rough[1:6]) < 0).all()
+    assert rough[5:] == [0.0, 0.0]
+    assert [len(found) for found in each] == [2, 2, 2, 2, 2, 1, 1]
+    np.testing.assert_allclose([sum(found.values()) for found in each], 0.5)
 
 
 @pytest.mark.parametrize("power", POWERS)

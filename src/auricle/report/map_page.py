@@ -256,8 +256,8 @@ def _made_of(result: MappingResult) -> str:
     bounded = "; it does not go beyond a least or largest value that many samples share"
     return (
         f"The map is the mean of a Gaussian process over the harmonics "
-        f"({percent(1 - sum(term.share for term in splines))}) and of a rougher and a smoother "
-        f"spline through space ({shares}), all smoothed for the same noise; where they differ it "
+        f"({percent(1 - sum(term.share for term in splines))}) and of splines through space "
+        f"({shares}), all smoothed for the same noise; where they differ it "
         f"is less sure{bounded if result.config.cycle_length_ms is None else ''}"
     )
 

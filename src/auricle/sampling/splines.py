@@ -15,10 +15,10 @@ from auricle.sampling.sites import Sites
 
 ROUGH, SMOOTH = 1.0, 1.8
 """Power of the distance of either spline of a mixture."""
-SPLINES = 0.4
+SPLINES = 0.5
 """Share of both together in a map; the rest is the process'."""
-MOST_ROUGH, ROUGH_SAMPLES = 0.2, 10
-"""Share of the rough one: at most, and times the number of samples beyond."""
+FEW, ENOUGH = 25, 50
+"""Samples up to which the rough one has half of that, and from which on it has nothing."""
 WALL_SHARE = 1 / 18
 """How far apart, relative to the diameter √(A/π), walls of normals a radian apart count."""
 NORMAL_MODES = 60
@@ -50,15 +50,19 @@ class SplineTerm:
 def shares(n_samples: int) -> tuple[tuple[float, float], ...]:
     """Power of the distance, and share in the map, of every spline.
 
-    The rougher one has less where many samples tell the process how rough a map is.
+    Few samples tell little of how smooth a map is: then the rougher one shares in it.
 
     Examples
     --------
-    >>> [round(share, 2) for count in (50, 200) for _, share in shares(count)]
-    [0.2, 0.2, 0.05, 0.35]
+    >>> shares(25)
+    ((1.0, 0.25), (1.8, 0.25))
+    >>> shares(200)
+    ((1.8, 0.5),)
     """
-    rough = min(MOST_ROUGH, ROUGH_SAMPLES / n_samples)
-    return (ROUGH, rough), (SMOOTH, SPLINES - rough)
+    part = min(max((ENOUGH - n_samples) / (ENOUGH - FEW), 0.0), 1.0)
+    rough = part * SPLINES / 2
+    both = ((ROUGH, rough), (SMOOTH, SPLINES - rough))
+    return both if rough > 0 else both[1:]
 
 
 def wall_places(chamber: Chamber) -> Floats:
