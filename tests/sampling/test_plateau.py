@@ -97,5 +97,6 @@ def test_one_bound_only_cuts_and_none_leaves_a_map_alone() -> None:
     np.testing.assert_array_equal(steepened(values, 1.0, 1.0), np.ones(31))
 
 
-def test_under_noise_as_wide_as_the_samples_there_is_no_plateau() -> None:
-    assert plateau_bounds(np.array([0.0, 0.1, 0.2, 1.0, 1.1, 1.2]), 1.0) == (-np.inf, np.inf)
+@pytest.mark.parametrize("noise", [0.2, 1.0])
+def test_under_noise_as_wide_as_the_samples_there_is_no_plateau(noise: float) -> None:
+    assert plateau_bounds(np.array([0.0, 0.1, 0.2, 1.0, 1.1, 1.2]), noise) == (-np.inf, np.inf)
