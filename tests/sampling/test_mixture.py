@@ -89,6 +89,23 @@ def test_a_step_is_kept_within_its_plateaus(fine_chamber: Chamber) -> None:
     assert beyond > 0.02
 
 
+def test_a_noisy_step_has_flat_plateaus_and_a_smaller_error_than_its_members_mean(
+    fine_chamber: Chamber,
+) -> None:
+    step = np.where(fine_chamber.mesh.vertices[:, 0] > 0, 1.0, 0.0)
+    sites = Sites.at_vertices(np.arange(0, 2_562, 20))
+    noise = 0.1 * np.random.default_rng(6).standard_normal(len(sites))
+    found = GaussianProcess(fine_chamber, sites).fit(sites.of(step) + noise)
+    assert found.values.min() < -0.2
+    assert found.mean.min() == pytest.approx(0.0, abs=0.05)
+    assert found.mean.max() == pytest.approx(1.0, abs=0.05)
+    spline, term = found.splines[0]
+    centre = found.values.mean()
+    alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
+    plain = term.share * alone + (1 - term.share) * found.process_mean
+    assert fine_chamber.nrmse(found.mean, step) < 0.96 * fine_chamber.nrmse(plain, step)
+
+
 def test_the_mean_is_nearer_the_truth_than_its_members_are(atrium_chamber: Chamber) -> None:
     """In the root mean square over maps of several kinds."""
     vertices = atrium_chamber.mesh.vertices
