@@ -4,10 +4,10 @@
 
 For every cell a map of the class is drawn, sampled with noise and rebuilt, by auricle and by the
 methods mapping systems use, and compared with the truth at every vertex that can be sampled.
-Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. Two maps of every cell
-come before a third of any. The rows of a part (an anatomy, design and number of samples) go into
-OUT.csv when it is done, and a part that is there is left out, so that a run can be broken off and
-taken up again; `calibration_report.py` makes the tables.
+Without a surface the atria named in `ATRIA` under AURICLE_DATA are used. The rows of a part (an
+anatomy, design and number of samples) go into OUT.csv when it is done, and a part that is there
+is left out, so that a run can be broken off and taken up again; `calibration_report.py` makes the
+tables.
 """
 
 import argparse
@@ -74,7 +74,7 @@ def designed(chamber: Chamber, design: str, count: int, seed: int) -> Sites:
 
 def catheter_run(chamber: Chamber, count: int, rng: np.random.Generator) -> Sites:
     """So many sites of a 20-pole star put down at random, one place after another."""
-    key = (id(chamber), count, rng.bit_generator.state["state"]["state"])
+    key = (chamber, count, rng.bit_generator.state["state"]["state"])
     if key not in _RUNS:
         centres = random_sampling(chamber, count, rng=rng)
         pattern, angles = star_catheter(), rng.uniform(0, 2 * np.pi, count)
@@ -86,7 +86,7 @@ def catheter_run(chamber: Chamber, count: int, rng: np.random.Generator) -> Site
     return _RUNS[key]
 
 
-_RUNS: dict[tuple[int, int, int], Sites] = {}
+_RUNS: dict[tuple[Chamber, int, int], Sites] = {}
 
 
 DESIGNS = ("farthest", "pivoted_qr", "random", "catheter")
@@ -100,9 +100,10 @@ def relative_error(chamber: Chamber, rebuilt: Floats, truth: Floats) -> float:
     return float(np.sqrt(error / spread))
 
 
-ROUNDS = ((0, 1), (2,), (3,), (4,))
-"""Seeds in the order they are measured: two maps of every cell before a third of any."""
 UP_TO, BIG = COUNTS[:-1], COUNTS[-1:]
+ROUNDS = (((0, 1), UP_TO), ((2,), UP_TO), ((0, 1), BIG), ((3, 4), UP_TO), ((2, 3, 4), BIG))
+"""Seeds and numbers of samples in the order they are measured: two maps of every cell before a
+third of any, and most samples, which take as long as all others, last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,16 +325,15 @@ Part = tuple[Path, str, int, tuple[int, ...]]
 
 
 def parts(surfaces: Sequence[Path], n_seeds: int) -> Iterator[Part]:
-    """What to measure, in order: most samples last in each round of seeds."""
-    for among in ROUNDS:
+    """What to measure, in the order of `ROUNDS`."""
+    for among, counts in ROUNDS:
         seeds = tuple(seed for seed in among if seed < n_seeds)
-        for counts in (UP_TO, BIG):
-            for surface in surfaces:
-                for design in DESIGNS:
-                    shared = design in ("farthest", "pivoted_qr")
-                    groups = [seeds] if shared else [(seed,) for seed in seeds]
-                    for count in counts:
-                        yield from ((surface, design, count, group) for group in groups if group)
+        for surface in surfaces:
+            for design in DESIGNS:
+                shared = design in ("farthest", "pivoted_qr")
+                groups = [seeds] if shared else [(seed,) for seed in seeds]
+                for count in counts:
+                    yield from ((surface, design, count, group) for group in groups if group)
 
 
 def main() -> None:

@@ -125,6 +125,22 @@ def test_which_truth_is_meant_is_said(found):
     assert "explains all that was fitted as noise" in words(map_page(ample, {}))
 
 
+def test_what_the_map_is_a_mean_of_is_said_and_only_of_a_mean(found, nothing, cyclic):
+    splines = found.hyperparameters.splines
+    shares = [
+        percent(1 - sum(term.share for term in splines)),
+        *(percent(t.share) for t in splines),
+    ]
+    said = words(map_page(found, FIGURES))
+    assert f"harmonics ({shares[0]})" in said
+    assert f"splines through space ({' and '.join(shares[1:])})" in said
+    assert "that many samples share" in said
+    assert "that many samples share" not in words(map_page(cyclic, FIGURES))
+    alone = replace(found, hyperparameters=replace(found.hyperparameters, splines=()))
+    for without in (alone, nothing):
+        assert "the mean of a Gaussian process" not in words(map_page(without, FIGURES))
+
+
 def test_enough_is_said_only_if_the_verdict_says_so(found):
     assert map_answer(found).startswith("Enough for an error of 10 %") == found.verdict.enough
     doubt = replace(found, verdict=replace(found.verdict, enough=False, reasons=("a", "b")))

@@ -11,7 +11,7 @@ from auricle.sampling.cross_validation import from_some
 from auricle.sampling.gaussian_process import GaussianProcess
 from auricle.sampling.reconstruction import Reconstruction
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import SHARES
+from auricle.sampling.splines import shares
 
 
 def scattered(chamber: Chamber, count: int, seed: int = 4) -> Sites:
@@ -33,8 +33,8 @@ def fitted(chamber: Chamber, truth: Floats, count: int = 60) -> Reconstruction:
 
 def test_the_map_is_the_mean_of_its_members_by_their_shares(fine_chamber: Chamber) -> None:
     found = fitted(fine_chamber, activation(fine_chamber))
-    assert [(term.power, term.share) for _, term in found.splines] == list(SHARES)
-    expected = (1 - sum(share for _, share in SHARES)) * found.process_mean
+    assert [(term.power, term.share) for _, term in found.splines] == list(shares(60))
+    expected = (1 - sum(share for _, share in shares(60))) * found.process_mean
     centre = found.values.mean()
     for spline, term in found.splines:
         alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
@@ -87,6 +87,23 @@ def test_a_step_is_kept_within_its_plateaus(fine_chamber: Chamber) -> None:
     assert found.mean.max() == 1.0
     beyond = np.maximum(found.process_mean - 1, -found.process_mean).max()
     assert beyond > 0.02
+
+
+def test_a_noisy_step_has_flat_plateaus_and_a_smaller_error_than_its_members_mean(
+    fine_chamber: Chamber,
+) -> None:
+    step = np.where(fine_chamber.mesh.vertices[:, 0] > 0, 1.0, 0.0)
+    sites = Sites.at_vertices(np.arange(0, 2_562, 20))
+    noise = 0.1 * np.random.default_rng(6).standard_normal(len(sites))
+    found = GaussianProcess(fine_chamber, sites).fit(sites.of(step) + noise)
+    assert found.values.min() < -0.2
+    assert found.mean.min() == pytest.approx(0.0, abs=0.05)
+    assert found.mean.max() == pytest.approx(1.0, abs=0.05)
+    spline, term = found.splines[0]
+    centre = found.values.mean()
+    alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
+    plain = term.share * alone + (1 - term.share) * found.process_mean
+    assert fine_chamber.nrmse(found.mean, step) < 0.96 * fine_chamber.nrmse(plain, step)
 
 
 def test_the_mean_is_nearer_the_truth_than_its_members_are(atrium_chamber: Chamber) -> None:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from auricle.sampling.plateau import plateau_bounds
+from auricle.sampling.plateau import STEEPNESS, plateau_bounds, steepened
 
 
 def test_a_focus_on_a_floor_has_a_floor_and_no_ceiling() -> None:
     """Distances drawn evenly by area: few samples come near the peak."""
     radii = 60 * np.sqrt(np.linspace(0.01, 1.0, 150))
-    lower, upper = plateau_bounds(np.exp(-(radii**2) / (2 * 10**2)), 0.0)
+    lower, upper = plateau_bounds(np.exp(-(radii**2) / (2 * 8**2)), 0.0)
     assert lower == pytest.approx(0.0, abs=1e-6)
     assert upper == np.inf
 
@@ -41,3 +41,62 @@ def test_bounds_move_and_turn_with_the_values() -> None:
     lower, upper = plateau_bounds(values, 0.01)
     assert plateau_bounds(3 * values + 2, 0.03) == pytest.approx((3 * lower + 2, 3 * upper + 2))
     assert plateau_bounds(-values, 0.01) == pytest.approx((-upper, -lower))
+
+
+@pytest.mark.parametrize("noise", [0.03, 0.06])
+def test_plateaus_are_seen_under_noise_that_was_not_found(noise: float) -> None:
+    """The bound is the plateau itself, not the lowest of its noisy samples."""
+    step = np.repeat([0.0, 1.0], [160, 40])
+    for seed in range(20):
+        values = step + noise * np.random.default_rng(seed).standard_normal(200)
+        assert values.min() < -1.5 * noise
+        assert plateau_bounds(values, 0.1 * noise) == pytest.approx((0.0, 1.0), abs=noise / 2)
+
+
+def test_few_samples_of_a_step_under_noise_have_their_ceiling_too() -> None:
+    found = 0
+    for seed in range(40):
+        noise = 0.06 * np.random.default_rng(seed).standard_normal(50)
+        bounds = plateau_bounds(np.repeat([0.0, 1.0], [46, 4]) + noise, 0.005)
+        found += bounds == pytest.approx((0.0, 1.0), abs=0.1)
+    assert found >= 36
+
+
+def test_of_values_without_a_plateau_hardly_any_are_cut_off() -> None:
+    """Measured voltages and intensities: a body and a tail, no level that many share."""
+    cut = []
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        for values in (
+            rng.normal(size=100),
+            rng.uniform(size=100),
+            rng.exponential(size=100),
+            rng.lognormal(sigma=0.5, size=100),
+        ):
+            lower, upper = plateau_bounds(values, 0.0)
+            cut.append(((values < lower) | (values > upper)).mean() > 0.05)
+    assert np.mean(cut) < 0.02
+
+
+def test_between_two_plateaus_a_map_is_steeper_half_way_and_keeps_its_order() -> None:
+    ramp = np.linspace(-0.2, 1.2, 1401)
+    steep = steepened(ramp, 0.0, 1.0)
+    assert (np.diff(steep) >= 0).all()
+    assert (steep[ramp <= 0] == 0).all()
+    assert (steep[ramp >= 1] == 1).all()
+    slope = (steep[701] - steep[699]) / (ramp[701] - ramp[699])
+    assert slope == pytest.approx(STEEPNESS, rel=1e-4)
+    np.testing.assert_allclose(steep + steep[::-1], 1.0, atol=1e-12)
+    np.testing.assert_allclose(steepened(5 - 2 * ramp, 3.0, 5.0), 5 - 2 * steep, atol=1e-12)
+
+
+def test_one_bound_only_cuts_and_none_leaves_a_map_alone() -> None:
+    values = np.linspace(-1.0, 2.0, 31)
+    np.testing.assert_array_equal(steepened(values, -np.inf, np.inf), values)
+    np.testing.assert_array_equal(steepened(values, 0.0, np.inf), np.maximum(values, 0.0))
+    np.testing.assert_array_equal(steepened(values, 1.0, 1.0), np.ones(31))
+
+
+@pytest.mark.parametrize("noise", [0.2, 1.0])
+def test_under_noise_as_wide_as_the_samples_there_is_no_plateau(noise: float) -> None:
+    assert plateau_bounds(np.array([0.0, 0.1, 0.2, 1.0, 1.1, 1.2]), noise) == (-np.inf, np.inf)

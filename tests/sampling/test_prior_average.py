@@ -33,12 +33,12 @@ def test_one_prior_far_more_probable_is_the_average() -> None:
 
 
 def test_covariances_are_averaged_by_probability() -> None:
-    """Two alike in likelihood: ν = 3/2 is twice as probable beforehand as ν = ½."""
+    """Two alike in likelihood: beforehand ν = ½ is to ν = 3/2 as 7 to 4."""
     found, best = averaged(CANDIDATES, fits(5.0, 90.0, 5.0))
-    assert best == 2
-    assert found.amplitude**2 == pytest.approx(4 / 3 + 2 / 3 * 9)
-    assert found.noise**2 == pytest.approx(0.01 / 3 + 2 / 3 * 0.09)
-    assert [term.share for term in found.terms] == pytest.approx([4 / 22, 18 / 22])
+    assert best == 0
+    assert found.amplitude**2 == pytest.approx(7 / 11 * 4 + 4 / 11 * 9)
+    assert found.noise**2 == pytest.approx(7 / 11 * 0.01 + 4 / 11 * 0.09)
+    assert [term.share for term in found.terms] == pytest.approx([28 / 64, 36 / 64])
 
 
 def test_less_weight_on_the_likelihood_brings_the_others_in() -> None:

@@ -9,7 +9,7 @@ from auricle.sampling.baselines import BASELINES
 from auricle.sampling.chamber import Chamber, chamber
 from auricle.sampling.noise_shape import relative_noise
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import WALL_SHARE, Spline, wall_places
+from auricle.sampling.splines import WALL_SHARE, Spline, shares, wall_places
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere
 
@@ -116,17 +116,29 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
     peak = np.where(upper, np.exp(-(vertices[:, 0] ** 2 + vertices[:, 1] ** 2) / 128), 0)
     chosen = np.random.default_rng(1).choice(flat.mesh.n_vertices, 250, replace=False)
     sites = Sites.at_vertices(chosen)
+    alone = [
+        Spline(flat, sites, power, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0]
+        for power in POWERS
+    ]
+    mixed = sum(share * alone[POWERS.index(power)] for power, share in shares(len(chosen)))
     leaked = [
         np.abs(rebuilt[middle & ~upper]).max()
-        for rebuilt in (
-            BASELINES["linear_radial"](flat, sites, peak[chosen]),
-            Spline(flat, sites, 1.0, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0],
-            Spline(flat, sites, 1.8, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0],
-        )
+        for rebuilt in (BASELINES["linear_radial"](flat, sites, peak[chosen]), *alone, mixed)
     ]
     assert leaked[0] > 0.15
-    assert leaked[1] < 0.6 * leaked[0]
-    assert leaked[2] < 0.4 * leaked[0]
+    assert leaked[1] < 0.75 * leaked[0]
+    assert leaked[2] < 0.45 * leaked[0]
+    assert leaked[3] < 0.22 * leaked[0]
+
+
+def test_the_rough_spline_shares_where_samples_are_few_and_both_have_half_together() -> None:
+    each = [dict(shares(count)) for count in (5, 25, 30, 40, 49, 50, 800)]
+    rough = [found.get(POWERS[0], 0.0) for found in each]
+    assert rough[:2] == [0.25, 0.25]
+    assert (np.diff(rough[1:6]) < 0).all()
+    assert rough[5:] == [0.0, 0.0]
+    assert [len(found) for found in each] == [2, 2, 2, 2, 2, 1, 1]
+    np.testing.assert_allclose([sum(found.values()) for found in each], 0.5)
 
 
 @pytest.mark.parametrize("power", POWERS)

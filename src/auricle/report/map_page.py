@@ -165,6 +165,7 @@ def map_page(result: MappingResult, figures: Mapping[str, bytes]) -> str:
         "n_samples": len(result.placed),
         "known": not result.knows_nothing,
         "detail_words": "" if result.knows_nothing else _detail_words(result),
+        "made_of": _made_of(result),
         "area_cm2": prepared.chamber.accessible_area / 100,
         "answer": map_answer(result),
         "cards": _cards(result),
@@ -243,6 +244,21 @@ def _detail_words(result: MappingResult) -> str:
     return (
         f"Of what was fitted as noise ({fitted}), what goes beyond the noise stated ({stated}) "
         "counts as detail of the map"
+    )
+
+
+def _made_of(result: MappingResult) -> str:
+    """What the map is a mean of, if of more than the Gaussian process."""
+    if result.hyperparameters is None or not result.hyperparameters.splines:
+        return ""
+    splines = result.hyperparameters.splines
+    shares = " and ".join(percent(term.share) for term in splines)
+    bounded = "; it does not go beyond a least or largest value that many samples share"
+    return (
+        f"The map is the mean of a Gaussian process over the harmonics "
+        f"({percent(1 - sum(term.share for term in splines))}) and of splines through space "
+        f"({shares}), all smoothed for the same noise; where they differ it "
+        f"is less sure{bounded if result.config.cycle_length_ms is None else ''}"
     )
 
 

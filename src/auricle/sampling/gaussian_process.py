@@ -20,7 +20,7 @@ from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import SHARES, Spline, SplineTerm
+from auricle.sampling.splines import Spline, SplineTerm, shares
 
 FEWEST_SAMPLES = 5
 """With fewer, the samples' own spread says nothing of the map's."""
@@ -145,7 +145,7 @@ class GaussianProcess:
         a few are missed by much and most by little (`SampleSpectrum.typical_share`), and nothing
         is stated of the noise, the map has edges: then the noise is fitted about what typical
         samples show of it, and the likelihoods count for less. Splines of the same noise share in
-        the map (`splines.SHARES`): their errors and the process' are not the same, so that the
+        the map (`splines.shares`): their errors and the process' are not the same, so that the
         mean of all is nearer the truth than each; by how much they differ counts as uncertainty.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
@@ -201,7 +201,7 @@ class GaussianProcess:
     def _spline_terms(self, columns: Floats, noise: float) -> tuple[SplineTerm, ...]:
         return tuple(
             SplineTerm(power, share, self._spline(power).smoothing(columns, noise))
-            for power, share in SHARES
+            for power, share in shares(len(columns))
         )
 
     def _spline(self, power: float) -> Spline:

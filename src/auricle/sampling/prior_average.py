@@ -10,8 +10,8 @@ from auricle.sampling.marginal_likelihood import Fit
 from auricle.sampling.reconstruction import Hyperparameters
 from auricle.sampling.remainder import Term
 
-BEFOREHAND: Mapping[float, float] = MappingProxyType({0.5: 0.15, 1.0: 0.5, 1.5: 0.3, 2.5: 0.05})
-"""Probability of each ν before any sample: of simulated maps few ask for the ends."""
+BEFOREHAND: Mapping[float, float] = MappingProxyType({0.5: 0.35, 1.0: 0.4, 1.5: 0.2, 2.5: 0.05})
+"""Probability of each ν before any sample: measured maps are rough, few maps very smooth."""
 LEAST_WEIGHT = 0.03
 """Probability below which a prior does not enter the average."""
 

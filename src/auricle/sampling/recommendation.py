@@ -52,20 +52,21 @@ class Acquisition:
 
 ACQUISITIONS: Mapping[str, Acquisition] = MappingProxyType(
     {
-        "planned": Acquisition(POINTS_PER_HARMONIC["planned"], aliasing=0.3, noise_gain=1.06),
+        "planned": Acquisition(POINTS_PER_HARMONIC["planned"], aliasing=0.1, noise_gain=1.06),
         "unplanned": Acquisition(POINTS_PER_HARMONIC["unplanned"], aliasing=0.4, noise_gain=1.3),
     }
 )
 """By how the samples are placed: evenly spread on purpose, or wherever the catheter was.
 
 Planned: measured on one generated atrium with farthest-point designs at two samples a harmonic
-(2 to 8 seeds; issue "sampling", notes §3): g = 1.06 at k = 100; α = 0.15 to 0.5 from the error
-of band-limited least squares, of which this is the middle. Unplanned: g read off between random
-designs of 3 and 4 samples a harmonic (1.4 at 3); α = g·k/N, what a tail does that the samples take
-for noise. A first check on one real, capped atrium of 6,888 vertices (Gaussian foci, activation,
-macro re-entry, scar; targets 0.1 to 0.3, noise 0 to 0.2, quantile 0.9): a Gaussian process on the
-recommended number met the target in 29 of 30 maps if planned, 23 of 26 if not; on 1/1.6 of the
-planned number in 12 of 30.
+(2 to 8 seeds; issue "sampling", notes §3): g = 1.06 at k = 100. Band-limited least squares showed
+α = 0.15 to 0.5; for maps as `reconstruct` makes them 0.3 asked for 1.4 to 1.8 times the samples
+that real atria needed, 0.1 asks for a tenth less (docs/calibration.md). Unplanned: g read off
+between random designs of 3 and 4 samples a harmonic (1.4 at 3); α = g·k/N, what a tail does that
+the samples take for noise. A first check on one real, capped atrium of 6,888 vertices (Gaussian
+foci, activation, macro re-entry, scar; targets 0.1 to 0.3, noise 0 to 0.2, quantile 0.9; α = 0.3
+if planned): a Gaussian process on the recommended number met the target in 29 of 30 maps if
+planned, 23 of 26 if not; on 1/1.6 of the planned number in 12 of 30.
 """
 
 

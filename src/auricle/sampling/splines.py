@@ -13,9 +13,13 @@ from auricle.sampling.chamber import Chamber
 from auricle.sampling.noise_shape import weighted_deviation
 from auricle.sampling.sites import Sites
 
-SHARES = ((1.0, 0.2), (1.8, 0.3))
-"""Power of the distance, and share in the map, of every spline; the rest is the process'."""
-WALL_SHARE = 1 / 12
+ROUGH, SMOOTH = 1.0, 1.8
+"""Power of the distance of either spline of a mixture."""
+SPLINES = 0.5
+"""Share of both together in a map; the rest is the process'."""
+FEW, ENOUGH = 25, 50
+"""Samples up to which the rough one has half of that, and from which on it has nothing."""
+WALL_SHARE = 1 / 18
 """How far apart, relative to the diameter √(A/π), walls of normals a radian apart count."""
 NORMAL_MODES = 60
 """Harmonics that carry the direction of the wall: its folds, not the roughness of a mesh."""
@@ -41,6 +45,24 @@ class SplineTerm:
     power: float
     share: float
     smoothing: float
+
+
+def shares(n_samples: int) -> tuple[tuple[float, float], ...]:
+    """Power of the distance, and share in the map, of every spline.
+
+    Few samples tell little of how smooth a map is: then the rougher one shares in it.
+
+    Examples
+    --------
+    >>> shares(25)
+    ((1.0, 0.25), (1.8, 0.25))
+    >>> shares(200)
+    ((1.8, 0.5),)
+    """
+    part = min(max((ENOUGH - n_samples) / (ENOUGH - FEW), 0.0), 1.0)
+    rough = part * SPLINES / 2
+    both = ((ROUGH, rough), (SMOOTH, SPLINES - rough))
+    return both if rough > 0 else both[1:]
 
 
 def wall_places(chamber: Chamber) -> Floats:
