@@ -8,7 +8,7 @@ from auricle.arrays import Floats
 from auricle.spectral.workers import Workers
 
 _NEIGHBOURS = 96
-"""Rows that may depart from orthogonal to those just before and after by more than to others."""
+"""Rows before and after each that it departs from orthogonal to by more than to others."""
 _ORTHONORMAL = 3e-11
 """Departure from orthonormality that is left alone."""
 _SINGLE = 1e-8
@@ -36,8 +36,8 @@ def orthonormalized(rows: Floats, workers: Workers) -> Orthonormal:
     """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
 
     Eigenvectors found of one symmetric matrix are the nearer to orthogonal the further apart
-    their eigenvalues lie. So the first step is taken among neighbours, at a fraction of the price;
-    others among all follow as long as the departure of all is too large.
+    their eigenvalues lie. So a first step is taken among neighbours, at a fraction of the price,
+    and further ones among all; none where the departure, which is always measured, is small.
 
     Parameters
     ----------
@@ -50,14 +50,14 @@ def orthonormalized(rows: Floats, workers: Workers) -> Orthonormal:
     ----------
     Higham 2008, Functions of Matrices, § 8.3.
     """
-    near = _overlap(rows, _slices(len(rows), _NEIGHBOURS), 1, workers)
-    rows = _step(rows, near, _slices(len(rows), _NEIGHBOURS), 1, workers)
+    parts, reach = _slices(len(rows), _NEIGHBOURS), 1
     lower = overlap(rows, workers)
     for _ in range(_MOST_STEPS):
         if np.abs(lower).max() <= _ORTHONORMAL:
             break
-        rows = _step(rows, lower, _quarters(len(rows)), _PARTS, workers)
+        rows = _step(rows, lower, parts, reach, workers)
         lower = overlap(rows, workers)
+        parts, reach = _quarters(len(rows)), _PARTS
     return Orthonormal(rows, float(np.abs(lower).max()))
 
 
@@ -66,21 +66,14 @@ def overlap(rows: Floats, workers: Workers) -> Floats:
 
     Half the work of a general product, since it is symmetric.
     """
-    return _overlap(rows, _quarters(len(rows)), _PARTS, workers)
-
-
-def _overlap(rows: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:
-    """Overlaps of rows in one part or at most `reach` parts from each other; 0 elsewhere."""
     products = np.zeros((len(rows), len(rows)))
 
     def fill(tile: tuple[slice, slice]) -> None:
         # Of an array and its own transpose the library computes one triangle and copies it.
         products[tile] = rows[tile[0]] @ rows[tile[1]].T
 
-    workers.each(
-        fill,
-        [(one, other) for i, one in enumerate(parts) for other in parts[max(i - reach, 0) : i + 1]],
-    )
+    parts = _quarters(len(rows))
+    workers.each(fill, [(one, other) for i, one in enumerate(parts) for other in parts[: i + 1]])
     products[np.diag_indices_from(products)] -= 1.0
     return np.tril(products)
 
