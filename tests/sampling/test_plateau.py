@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from auricle.sampling.plateau import STEEPNESS, plateau_bounds, steepened
+from auricle.sampling.plateau import (
+    STEEPNESS,
+    plateau_bounds,
+    steepened,
+    two_levels,
+    within_plateaus,
+)
 
 
 def test_a_focus_on_a_floor_has_a_floor_and_no_ceiling() -> None:
@@ -79,22 +85,39 @@ def test_of_values_without_a_plateau_hardly_any_are_cut_off() -> None:
 
 
 def test_between_two_plateaus_a_map_is_steeper_half_way_and_keeps_its_order() -> None:
-    ramp = np.linspace(-0.2, 1.2, 1401)
+    ramp = np.linspace(0.0, 1.0, 1001)
     steep = steepened(ramp, 0.0, 1.0)
     assert (np.diff(steep) >= 0).all()
-    assert (steep[ramp <= 0] == 0).all()
-    assert (steep[ramp >= 1] == 1).all()
-    slope = (steep[701] - steep[699]) / (ramp[701] - ramp[699])
+    slope = (steep[501] - steep[499]) / (ramp[501] - ramp[499])
     assert slope == pytest.approx(STEEPNESS, rel=1e-4)
     np.testing.assert_allclose(steep + steep[::-1], 1.0, atol=1e-12)
     np.testing.assert_allclose(steepened(5 - 2 * ramp, 3.0, 5.0), 5 - 2 * steep, atol=1e-12)
 
 
-def test_one_bound_only_cuts_and_none_leaves_a_map_alone() -> None:
-    values = np.linspace(-1.0, 2.0, 31)
-    np.testing.assert_array_equal(steepened(values, -np.inf, np.inf), values)
-    np.testing.assert_array_equal(steepened(values, 0.0, np.inf), np.maximum(values, 0.0))
-    np.testing.assert_array_equal(steepened(values, 1.0, 1.0), np.ones(31))
+def test_a_map_is_cut_at_its_plateaus_and_steeper_only_between_two() -> None:
+    ramp = np.linspace(-0.2, 1.2, 15)
+    step, lone = np.repeat([0.0, 1.0], 20), np.append(np.zeros(30), np.linspace(0.3, 1.0, 8))
+    within = np.clip(ramp, 0.0, 1.0)
+    np.testing.assert_allclose(within_plateaus(ramp, step, 0.0), steepened(within, 0.0, 1.0))
+    np.testing.assert_array_equal(within_plateaus(ramp, lone, 0.0), np.maximum(ramp, 0.0))
+    np.testing.assert_array_equal(within_plateaus(ramp, np.linspace(0, 1, 40), 0.0), ramp)
+
+
+def test_a_focus_with_a_smooth_top_has_not_two_levels_however_many_samples_tell() -> None:
+    ceilings = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        radii = 60 * np.sqrt(rng.uniform(size=1000))
+        focus = np.exp(-(radii**2) / (2 * 10**2))
+        ceilings += plateau_bounds(focus, 0.0)[1] < np.inf
+        assert not two_levels(focus, 0.0, float(focus.max()))
+    assert ceilings <= 4
+
+
+def test_a_step_with_a_few_samples_on_its_edge_has_two_levels() -> None:
+    assert two_levels(np.repeat([0.0, 0.4, 1.0], [60, 6, 20]), 0.0, 1.0)
+    assert not two_levels(np.repeat([0.0, 0.4, 1.0], [60, 21, 20]), 0.0, 1.0)
+    assert not two_levels(np.zeros(9), -np.inf, np.inf)
 
 
 @pytest.mark.parametrize("noise", [0.2, 1.0])

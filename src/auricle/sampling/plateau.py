@@ -32,7 +32,7 @@ END_TO_END = 5
 """Deviations from end to end of the noise on a plateau."""
 STEEPNESS = 1.2
 """How much steeper than the mean of its members a map is half-way between two plateaus."""
-_WIDTHS = 8
+_WIDTHS, _QUARTER = 8, 0.25
 
 
 @dataclass(frozen=True)
@@ -80,24 +80,58 @@ def plateau_bounds(values: Floats, noise: float) -> tuple[float, float]:
     return lower, -_level(-values, ceiling, floor, least)
 
 
+def within_plateaus(values: Floats, samples: Floats, noise: float) -> Floats:
+    """A map kept within the plateaus of its samples, and steeper between two of them.
+
+    Parameters
+    ----------
+    values
+        The map, any shape.
+    samples
+        Shape (N,).
+    noise
+        Standard deviation of a sample, as fitted.
+    """
+    lower, upper = plateau_bounds(samples, noise)
+    bounded: Floats = np.clip(values, lower, upper)
+    return steepened(bounded, lower, upper) if two_levels(samples, lower, upper) else bounded
+
+
+def two_levels(samples: Floats, lower: float, upper: float) -> bool:
+    """Whether a map has two levels and little between, as far as samples of shape (N,) tell.
+
+    No more samples lie in the middle half between the bounds than about the rarer level: of a
+    focus with a smooth top four times as many do.
+
+    Examples
+    --------
+    >>> two_levels(np.repeat([0.0, 0.5, 1.0], [50, 4, 5]), 0.0, 1.0)
+    True
+    >>> two_levels(np.linspace(0.0, 1.0, 40), 0.0, 1.0)
+    False
+    """
+    if not 0 < upper - lower < math.inf:
+        return False
+    share = (samples - lower) / (upper - lower)
+    below, above = int((share < _QUARTER).sum()), int((share > 1 - _QUARTER).sum())
+    return len(samples) - below - above <= min(below, above)
+
+
 def steepened(values: Floats, lower: float, upper: float) -> Floats:
-    """A map kept between its bounds and, if it has both, steeper half-way between them.
+    """A map of values between two plateaus, steeper half-way between them.
 
     The mean of interpolations falls from plateau to plateau over the whole gap between samples,
     the map somewhere in it: values near a plateau are likelier to be on it. With u from 0 to 1
-    between the bounds and s the `STEEPNESS`: uˢ/(uˢ + (1 − u)ˢ).
+    between the plateaus and s the `STEEPNESS`: uˢ/(uˢ + (1 − u)ˢ).
 
     Examples
     --------
     The ends and the middle stay:
 
-    >>> steepened(np.array([-0.1, 0.0, 0.5, 0.8, 1.0]), 0.0, 1.0).round(2).tolist()
-    [0.0, 0.0, 0.5, 0.84, 1.0]
+    >>> steepened(np.array([0.0, 0.5, 0.8, 1.0]), 0.0, 1.0).round(2).tolist()
+    [0.0, 0.5, 0.84, 1.0]
     """
-    bounded: Floats = np.clip(values, lower, upper)
-    if not 0 < upper - lower < math.inf:
-        return bounded
-    share = (bounded - lower) / (upper - lower)
+    share = (values - lower) / (upper - lower)
     above, below = share**STEEPNESS, (1 - share) ** STEEPNESS
     return np.asarray(lower + (upper - lower) * above / (above + below))
 
@@ -130,14 +164,17 @@ def _crowd(values: Floats, least: float) -> _Crowd | None:
 
 
 def _within(values: Floats, width: float, thinner: float = THINNER) -> _Crowd | None:
-    """The samples within a width of the least value, if two and far denser than beside it."""
+    """The samples within a width of the least value, if far denser than beside it.
+
+    Two may be so by chance: of two, none lies beside.
+    """
     above = values - values.min()
     here: Truths = above <= width
     count = int(here.sum())
     end = min(ABOUT * width, MOST_ABOUT * float(above.max()))
     beside = int((~here & (above <= end)).sum())
     too_wide = width > WIDEST * float(above.max())
-    if too_wide or count < 2 or beside * width > thinner * count * (end - width):
+    if too_wide or count < 2 or beside * width > thinner * (count - 2) * (end - width):
         return None
     lowest, median = float(values.min()), float(np.median(values[here]))
     return _Crowd(lowest, median, float(values[here].std()), count)

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from auricle.arrays import Floats, Modes, PerMode, PerVertex
 from auricle.sampling.chamber import Chamber
-from auricle.sampling.plateau import plateau_bounds, steepened
+from auricle.sampling.plateau import within_plateaus
 from auricle.sampling.posterior import Posterior
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.sites import Sites
@@ -110,16 +110,14 @@ class Reconstruction:
         """The map, shape (n,) or (n, c).
 
         Of the process and the splines by their shares if there are splines, and then within what
-        the samples of one column show of its bounds (`plateau_bounds`), and between two of them
-        `steepened`. Columns together are not: cosine and sine have no bound of their own that
-        turns with the phase.
+        the samples of one column show of its plateaus (`within_plateaus`). Columns together have
+        none: cosine and sine have no bound of their own that turns with the phase.
         """
         if not self.splines:
             return self.process_mean
         mixed: Floats = np.tensordot(*self._members, 1)
         if mixed.shape[1] == 1:
-            bounds = plateau_bounds(self.values.ravel(), self.hyperparameters.noise)
-            mixed = steepened(mixed, *bounds)
+            mixed = within_plateaus(mixed, self.values.ravel(), self.hyperparameters.noise)
         return mixed.reshape(-1, *self.values.shape[1:])
 
     @cached_property
