@@ -21,7 +21,7 @@ _MOVE, _LEAST_MOVE = 1e-4, 1e-10
 _ATTEMPTS = 6
 _LARGEST_BACKWARD_ERROR = 1e-7
 """Of a trial solve; above it the shift is moved. One refinement takes this to rounding."""
-_REFINED_ABOVE = 3e-11
+_REFINED_ABOVE = 1e-11
 """Backward error above which solves are refined unasked: eigenpairs need 1e-9."""
 
 
@@ -131,7 +131,7 @@ class ShiftedFactorization:
         """Solution x of (matrix − shift·I) x = right, for right of shape (n,) or (n, b).
 
         Blocks are much faster than single columns. With `refine` the residual is solved for once
-        more, at twice the time; unless told, where `backward_error` is more than 3e-11.
+        more, at twice the time; unless told, where `backward_error` is more than 1e-11.
         """
         solution = self._substituted(right)
         if refine or (refine is None and self.backward_error > _REFINED_ABOVE):

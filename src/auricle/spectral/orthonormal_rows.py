@@ -9,7 +9,7 @@ from auricle.spectral.workers import Workers
 
 _NEIGHBOURS = 96
 """Rows before and after each that it departs from orthogonal to by more than to others."""
-_ORTHONORMAL = 3e-11
+_ORTHONORMAL = 5e-11
 """Departure from orthonormality that is left alone."""
 _SINGLE = 1e-8
 """Departure that single precision suffices to correct for: its error is 1e-7 of that."""

@@ -25,7 +25,7 @@ Factors cost more than vectors on larger ones, so that runs are worth being long
 _BEYOND, _SURPLUS, _PLACINGS = 3, 20, 4
 """Eigenvalues beyond those wanted that the last count is to be made above; how many more may be
 there; and how often that is tried."""
-_STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4, 0.8, -0.8, 1.2)
+_STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2, 1.6)
 """Backward error of solves that need no refinement, and where else to try, in mean spacings."""
 
 
