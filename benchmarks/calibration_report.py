@@ -318,10 +318,11 @@ def main() -> None:
     about = f"""
 Written by `benchmarks/calibration_report.py` from {len(cells):,} maps rebuilt by
 `benchmarks/calibration_cells.py` and {len(advised):,} of `benchmarks/recommendation_cells.py`
-(on {", ".join(values_of(advised, "anatomy"))}). Maps are simulated on real left atria:
-{anatomies}, simplified to 3,000 vertices; 750 harmonics. {extent(cells)} Designs: farthest points,
-pivoted QR, random by area, and `catheter`: a 20-pole star put down at random. Noise: 0, 5 and 20 %
-of the map's deviation, not told to the method. Error: nRMSE over the area that can be sampled.
+(on {", ".join(values_of(advised, "anatomy"))}; {len(values_of(advised, "seed"))} maps a case).
+Maps are simulated on real left atria: {anatomies}, simplified to 3,000 vertices; 750 harmonics.
+{extent(cells)} Designs: farthest points, pivoted QR, random by area, and `catheter`: a 20-pole star
+put down at random. Noise: 0, 5 and 20 % of the map's deviation, not told to the method. Error:
+nRMSE over the area that can be sampled.
 """
     text = f"""# Calibration
 

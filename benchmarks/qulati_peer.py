@@ -46,6 +46,7 @@ N_MODES = 128
 MOST_MODES = 500
 COUNTS = (100, 400)
 LAYERS, RESTARTS, SMOOTHNESS = 10, 5, 1.5
+MIXTURE = "auricle, as `reconstruct` does"
 """As quLATi's README has them, but for the number of harmonics."""
 REPEATS = 3
 ABSENT = (
@@ -172,10 +173,16 @@ def left_open(mesh: Mesh, n_modes: int) -> Chamber:
 
 
 def rebuilt(
-    chamber: Chamber, sites: Sites, samples: Floats, *, n_modes: int | None, detail: bool
+    chamber: Chamber,
+    sites: Sites,
+    samples: Floats,
+    *,
+    n_modes: int | None,
+    detail: bool,
+    smoothness: float | None,
 ) -> tuple[Floats, Floats]:
-    """The mean of the Gaussian process and its deviation, from nothing but the samples."""
-    found = GaussianProcess(chamber, sites, smoothness=1.5, n_modes=n_modes).fit(samples)
+    """The map and its deviation, from nothing but the samples."""
+    found = GaussianProcess(chamber, sites, smoothness=smoothness, n_modes=n_modes).fit(samples)
     return found.mean, found.std_with_detail() if detail else found.std
 
 
@@ -184,11 +191,13 @@ def outcomes(
 ) -> Iterator[Outcome]:
     """Every method on every of n draws, one after the other so that a busy spell meets all."""
     own = {
-        f"auricle, {N_MODES}": (truth.chamber, N_MODES, False),
-        "auricle, as it chooses": (truth.chamber, None, False),
-        "auricle, as it chooses, with detail": (truth.chamber, None, True),
-        "the same, holes left open": (opened, None, False),
-        "the same, holes left open, with detail": (opened, None, True),
+        f"auricle, {N_MODES}": (truth.chamber, N_MODES, False, SMOOTHNESS),
+        "auricle, as it chooses": (truth.chamber, None, False, SMOOTHNESS),
+        "auricle, as it chooses, with detail": (truth.chamber, None, True, SMOOTHNESS),
+        "the same, holes left open": (opened, None, False, SMOOTHNESS),
+        "the same, holes left open, with detail": (opened, None, True, SMOOTHNESS),
+        MIXTURE: (truth.chamber, None, False, None),
+        f"{MIXTURE}, with detail": (truth.chamber, None, True, None),
     }
     for count in COUNTS:
         for draw in range(n):
@@ -196,8 +205,16 @@ def outcomes(
             chosen = random_sampling(truth.chamber, count, rng=np.random.default_rng(draw))
             sites, samples = Sites.at_vertices(chosen), truth.values[chosen]
             yield truth.judged(f"quLATi, {N_MODES}", count, partial(peer, chosen, samples))
-            for name, (chamber, n_modes, detail) in own.items():
-                rebuild = partial(rebuilt, chamber, sites, samples, n_modes=n_modes, detail=detail)
+            for name, (chamber, n_modes, detail, smoothness) in own.items():
+                rebuild = partial(
+                    rebuilt,
+                    chamber,
+                    sites,
+                    samples,
+                    n_modes=n_modes,
+                    detail=detail,
+                    smoothness=smoothness,
+                )
                 yield truth.judged(name, count, rebuild)
             sys.stderr.write(f"{count} samples, draw {draw}\n")
 
@@ -270,6 +287,7 @@ quLATi's error over auricle's with as many harmonics as it chooses: {compared}.
 Stated: root mean square over the area of the deviation that the method gives. Times are of fit, map
 and deviation, medians. "Holes left open" is not what auricle does: the same process on the
 harmonics of the surface with its holes, to tell the effect of the caps from that of the rest.
+"As `reconstruct` does": of all smoothnesses by their probability, and splines beside.
 """
 
 

@@ -101,6 +101,9 @@ def test_a_map_is_cut_at_its_plateaus_and_steeper_only_between_two() -> None:
     np.testing.assert_allclose(within_plateaus(ramp, step, 0.0), steepened(within, 0.0, 1.0))
     np.testing.assert_array_equal(within_plateaus(ramp, lone, 0.0), np.maximum(ramp, 0.0))
     np.testing.assert_array_equal(within_plateaus(ramp, np.linspace(0, 1, 40), 0.0), ramp)
+    sloped = np.concatenate([np.zeros(30), np.linspace(0.1, 0.85, 20), np.ones(5)])
+    assert plateau_bounds(sloped, 0.0) == (0.0, 1.0)
+    np.testing.assert_array_equal(within_plateaus(ramp, sloped, 0.0), within)
 
 
 def test_a_focus_with_a_smooth_top_has_not_two_levels_however_many_samples_tell() -> None:
