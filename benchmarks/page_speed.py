@@ -29,7 +29,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 import uvicorn
-from calibration_report import table
+from markdown_tables import table
 from playwright.sync_api import Page, sync_playwright
 from scipy.spatial import ConvexHull
 from scipy.special import sph_harm_y

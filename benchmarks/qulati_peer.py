@@ -24,7 +24,7 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-from calibration_report import table
+from markdown_tables import table
 from reconstruction_report import write_section
 
 from auricle.arrays import Floats, Integers, PerVertex

@@ -22,7 +22,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import matplotlib as mpl
 import numpy as np
 from calibration_cells import monotone, planned_errors, relative_error
-from calibration_report import Row, number, points_table, ratio, table, values_of, where
+from calibration_report import points_table, ratio
+from markdown_tables import Row, number, table, values_of, where
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from reconstruction_report import FOLDER, write_section

@@ -253,7 +253,10 @@ def _made_of(result: MappingResult) -> str:
         return ""
     splines = result.hyperparameters.splines
     shares = " and ".join(percent(term.share) for term in splines)
-    bounded = "; it does not go beyond a least or largest value that many samples share"
+    bounded = (
+        "; it does not go beyond a least or largest value that many samples share, and is "
+        "steeper between the two if most samples share them"
+    )
     return (
         f"The map is the mean of a Gaussian process over the harmonics "
         f"({percent(1 - sum(term.share for term in splines))}) and of splines through space "

@@ -18,7 +18,7 @@ from auricle.spectral.orthonormal_rows import orthonormalized
 from auricle.spectral.power import Spectrum
 from auricle.spectral.refinement import Refined, corrected, freed_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
-from auricle.spectral.workers import Workers
+from auricle.spectral.workers import Workers, slices
 from auricle.surface.mesh import Mesh
 
 LARGEST_RESIDUAL = 1e-9
@@ -333,7 +333,7 @@ def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) ->
     def fill(some: slice) -> None:
         _fill_modes(rows[some], order, roots, modes[some])
 
-    workers.each(fill, [slice(i, i + _ROWS_AT_ONCE) for i in range(0, len(rows), _ROWS_AT_ONCE)])
+    workers.each(fill, slices(len(rows), _ROWS_AT_ONCE))
     return modes.T
 
 

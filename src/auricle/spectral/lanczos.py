@@ -46,9 +46,9 @@ class Effort:
 class LanczosRun:
     """A search for the eigenpairs nearest to a shift, apart from those already known.
 
-    Block Lanczos with full reorthogonalisation, on the inverse of (matrix − shift·I), started at
-    random and kept orthogonal to what is known, so what it finds is new, also within a cluster of
-    equal eigenvalues. It can be taken up again where it ended.
+    Block Lanczos with partial reorthogonalisation, on the inverse of (matrix − shift·I), started
+    at random and kept orthogonal to what is known, so what it finds is new, also within a cluster
+    of equal eigenvalues. It can be taken up again where it ended.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from auricle.arrays import Floats
-from auricle.spectral.workers import Workers
+from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
 """Rows before and after each that it departs from orthogonal to by more than to others."""
@@ -50,7 +50,7 @@ def orthonormalized(rows: Floats, workers: Workers) -> Orthonormal:
     ----------
     Higham 2008, Functions of Matrices, § 8.3.
     """
-    parts, reach = _slices(len(rows), _NEIGHBOURS), 1
+    parts, reach = slices(len(rows), _NEIGHBOURS), 1
     lower = overlap(rows, workers)
     for _ in range(_MOST_STEPS):
         if np.abs(lower).max() <= _ORTHONORMAL:
@@ -95,8 +95,4 @@ def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: 
 
 
 def _quarters(count: int) -> list[slice]:
-    return _slices(count, max(-(-count // _PARTS), 1))
-
-
-def _slices(count: int, size: int) -> list[slice]:
-    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    return slices(count, max(-(-count // _PARTS), 1))

@@ -14,10 +14,12 @@ from auricle.spectral.factorization import (
 )
 from auricle.spectral.orthonormal_rows import Orthonormal, orthonormalized
 from auricle.spectral.row_products import row_products
-from auricle.spectral.workers import Workers
+from auricle.spectral.workers import Workers, slices
 
 _AT_ONCE = 16
 _ENOUGH, _NEARLY = 8e-10, 0.1
+"""Residual, relative to the eigenvalue, that is left alone, and the share of it that is not where
+others are corrected."""
 _CORRECTIONS = 5
 _PROGRESS = 0.5
 """Share of the largest residual that must be gone for another correction to be worth its time, from
@@ -35,7 +37,7 @@ def rayleigh_quotients(
         values[some], left_over = _left_over(matrix, rows[some])
         residuals[some] = np.linalg.norm(left_over, axis=1)
 
-    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    workers.each(fill, slices(len(rows), _AT_ONCE))
     return values, residuals
 
 
@@ -114,15 +116,13 @@ def corrected(
     for attempt in range(_CORRECTIONS + 1):
         values, residuals = rayleigh_quotients(matrix, rows, workers)
         relative = residuals / np.maximum(values, least)
-        # Those nearly poor would be the next to be so.
-        poor = np.flatnonzero(
-            relative > (_NEARLY * _ENOUGH if relative.max() > _ENOUGH else np.inf)
-        )
-        stuck = attempt > 1 and relative.max() > _PROGRESS * before
-        if not len(poor) or attempt == _CORRECTIONS or stuck:
+        worst = float(relative.max())
+        stuck = attempt > 1 and worst > _PROGRESS * before
+        if worst <= _ENOUGH or attempt == _CORRECTIONS or stuck:
             break
-        before = float(relative.max())
-        groups = [(-least, poor)]
+        before = worst
+        # Those nearly poor would be the next to be so.
+        groups = [(-least, np.flatnonzero(relative > _NEARLY * _ENOUGH))]
         if attempt:
             rows = _rotated(matrix, rows, workers)
             groups = _by_height(*_poor(matrix, rows, least, workers), least)
@@ -165,7 +165,7 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats
     def fill(some: slice) -> None:
         products[some] = row_products(matrix, rows[some]) @ rows.T
 
-    workers.each(fill, _slices(len(rows), _AT_ONCE))
+    workers.each(fill, slices(len(rows), _AT_ONCE))
     _, rotation = eigh(0.5 * (products + products.T))
     rotated: Floats = rotation.T @ rows
     return rotated
@@ -185,7 +185,7 @@ def _solved_for(
         _, left_over = _left_over(matrix, rows[poor[some]])
         better[poor[some]] -= factors.solve(left_over.T).T
 
-    workers.each(fill, _slices(len(poor), _AT_ONCE))
+    workers.each(fill, slices(len(poor), _AT_ONCE))
     return better
 
 
@@ -195,7 +195,3 @@ def _left_over(matrix: sparse.csc_array, rows: Floats) -> tuple[Floats, Floats]:
     values = np.einsum("kn,kn->k", rows, left_over)
     left_over -= values[:, None] * rows
     return values, left_over
-
-
-def _slices(count: int, size: int) -> list[slice]:
-    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]

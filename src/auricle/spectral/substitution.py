@@ -93,49 +93,20 @@ def _forward(
     right: tuple[Floats, int, int],
     zero: Lanes,
 ) -> None:
-    """Take a supernode's part out of the rows under it, four rows at a time."""
+    """Take a supernode's part out of the rows under it, eight rows at a time."""
     columns, n_right, side = right
     first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
     known = first * n_right + side
     p = plan.panel_start[s] + n_columns * n_columns
     row, end = plan.row_start[s], plan.row_start[s + 1]
     while row + 8 <= end:
-        a, b, c, d, e, f, g, h = zero, zero, zero, zero, zero, zero, zero, zero
-        for k in range(n_columns):
-            x = load(zero, columns, known + k * n_right)
-            a = added_multiple(a, panels, p + k, x)
-            b = added_multiple(b, panels, p + n_columns + k, x)
-            c = added_multiple(c, panels, p + 2 * n_columns + k, x)
-            d = added_multiple(d, panels, p + 3 * n_columns + k, x)
-            e = added_multiple(e, panels, p + 4 * n_columns + k, x)
-            f = added_multiple(f, panels, p + 5 * n_columns + k, x)
-            g = added_multiple(g, panels, p + 6 * n_columns + k, x)
-            h = added_multiple(h, panels, p + 7 * n_columns + k, x)
-        _take(columns, plan.rows[row] * n_right + side, a)
-        _take(columns, plan.rows[row + 1] * n_right + side, b)
-        _take(columns, plan.rows[row + 2] * n_right + side, c)
-        _take(columns, plan.rows[row + 3] * n_right + side, d)
-        _take(columns, plan.rows[row + 4] * n_right + side, e)
-        _take(columns, plan.rows[row + 5] * n_right + side, f)
-        _take(columns, plan.rows[row + 6] * n_right + side, g)
-        _take(columns, plan.rows[row + 7] * n_right + side, h)
+        sums = _eight_dots(panels, (p, n_columns, 1), n_columns, (columns, known, n_right), zero)
+        for i in range(8):
+            _take(columns, plan.rows[row + i] * n_right + side, sums[i])
         row, p = row + 8, p + 8 * n_columns
-    while row + 4 <= end:
-        a, b, c, d = zero, zero, zero, zero
-        for k in range(n_columns):
-            x = load(zero, columns, known + k * n_right)
-            a = added_multiple(a, panels, p + k, x)
-            b = added_multiple(b, panels, p + n_columns + k, x)
-            c = added_multiple(c, panels, p + 2 * n_columns + k, x)
-            d = added_multiple(d, panels, p + 3 * n_columns + k, x)
-        _take(columns, plan.rows[row] * n_right + side, a)
-        _take(columns, plan.rows[row + 1] * n_right + side, b)
-        _take(columns, plan.rows[row + 2] * n_right + side, c)
-        _take(columns, plan.rows[row + 3] * n_right + side, d)
-        row, p = row + 4, p + 4 * n_columns
     while row < end:
-        sums = _dot(panels, p, 1, n_columns, (columns, known, n_right), zero)
-        _take(columns, plan.rows[row] * n_right + side, sums)
+        rest = _dot(panels, p, 1, n_columns, (columns, known, n_right), zero)
+        _take(columns, plan.rows[row] * n_right + side, rest)
         row, p = row + 1, p + n_columns
 
 
@@ -164,53 +135,50 @@ def _backward(
     room: Floats,
     zero: Lanes,
 ) -> None:
-    """Solve for a supernode's part, the rows under it being known, four columns at a time."""
+    """Solve for a supernode's part, the rows under it being known, eight columns at a time."""
     columns, n_right, side = right
     first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
     height = n_columns + plan.row_start[s + 1] - plan.row_start[s]
     target, k = first * n_right + side, 0
     while k + 8 <= n_columns:
-        a, b, c, d, e, f, g, h = zero, zero, zero, zero, zero, zero, zero, zero
         p = plan.panel_start[s] + k
-        for r in range(height):
-            x = load(zero, room, r * width(zero))
-            a = added_multiple(a, panels, p, x)
-            b = added_multiple(b, panels, p + 1, x)
-            c = added_multiple(c, panels, p + 2, x)
-            d = added_multiple(d, panels, p + 3, x)
-            e = added_multiple(e, panels, p + 4, x)
-            f = added_multiple(f, panels, p + 5, x)
-            g = added_multiple(g, panels, p + 6, x)
-            h = added_multiple(h, panels, p + 7, x)
-            p += n_columns
-        store(a, columns, target)
-        store(b, columns, target + n_right)
-        store(c, columns, target + 2 * n_right)
-        store(d, columns, target + 3 * n_right)
-        store(e, columns, target + 4 * n_right)
-        store(f, columns, target + 5 * n_right)
-        store(g, columns, target + 6 * n_right)
-        store(h, columns, target + 7 * n_right)
+        sums = _eight_dots(panels, (p, 1, n_columns), height, (room, 0, width(zero)), zero)
+        for i in range(8):
+            store(sums[i], columns, target + i * n_right)
         k, target = k + 8, target + 8 * n_right
-    while k + 4 <= n_columns:
-        a, b, c, d = zero, zero, zero, zero
-        p = plan.panel_start[s] + k
-        for r in range(height):
-            x = load(zero, room, r * width(zero))
-            a = added_multiple(a, panels, p, x)
-            b = added_multiple(b, panels, p + 1, x)
-            c = added_multiple(c, panels, p + 2, x)
-            d = added_multiple(d, panels, p + 3, x)
-            p += n_columns
-        store(a, columns, target)
-        store(b, columns, target + n_right)
-        store(c, columns, target + 2 * n_right)
-        store(d, columns, target + 3 * n_right)
-        k, target = k + 4, target + 4 * n_right
     while k < n_columns:
         p = plan.panel_start[s] + k
         store(_dot(panels, p, n_columns, height, (room, 0, width(zero)), zero), columns, target)
         k, target = k + 1, target + n_right
+
+
+@compiled
+def _eight_dots(
+    panels: Floats,
+    places: tuple[int, int, int],
+    count: int,
+    vectors: tuple[Floats, int, int],
+    zero: Lanes,
+) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """What `_dot` gives for eight lines of a panel at once, whose sums fit into registers.
+
+    `places` are where the first line begins, how far apart lines are, and the step along them.
+    """
+    place, line, step = places
+    rows, begin, apart = vectors
+    a, b, c, d, e, f, g, h = zero, zero, zero, zero, zero, zero, zero, zero
+    for _ in range(count):
+        x = load(zero, rows, begin)
+        a = added_multiple(a, panels, place, x)
+        b = added_multiple(b, panels, place + line, x)
+        c = added_multiple(c, panels, place + 2 * line, x)
+        d = added_multiple(d, panels, place + 3 * line, x)
+        e = added_multiple(e, panels, place + 4 * line, x)
+        f = added_multiple(f, panels, place + 5 * line, x)
+        g = added_multiple(g, panels, place + 6 * line, x)
+        h = added_multiple(h, panels, place + 7 * line, x)
+        place, begin = place + step, begin + apart
+    return a, b, c, d, e, f, g, h
 
 
 @compiled

@@ -95,3 +95,14 @@ class Workers:
     def _unless_stopped(self, work: Callable[[T], R], item: T) -> R:
         self.pause()
         return work(item)
+
+
+def slices(count: int, size: int) -> list[slice]:
+    """So many items in slices of `size`, the last one shorter where they do not come out even.
+
+    Examples
+    --------
+    >>> slices(5, 2)
+    [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
+    """
+    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
