@@ -8,9 +8,18 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added, added_product, eight, load, store, total
+from auricle.spectral.lanes import (
+    Lanes,
+    added,
+    added_product,
+    eight,
+    load,
+    prefetch,
+    store,
+    total,
+)
 
-_STRIP, _LANES = 2048, 8
+_STRIP, _LANES = 256, 8
 _CANCELLED = 1e-3
 _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
 """Of what of a row of length one is not in the span of those before: too little, and enough to be
@@ -125,34 +134,64 @@ def _project(basis: Floats, block: Floats, coefficients: Floats) -> None:
     """
     tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
     n = basis.shape[1]
-    for begin in range(0, n, _STRIP):
-        strip = (begin, min(begin + _STRIP, n))
+    full = n - n % _LANES
+    sums = np.zeros(tiled * tiled_block * _LANES)
+    vectors = (basis.reshape(-1), block.reshape(-1), n)
+    for begin in range(0, full, _STRIP):
+        end = min(begin + _STRIP, full)
         for m in range(0, tiled, 4):
             for q in range(0, tiled_block, 4):
-                _project_tile(basis, m, block, q, strip, coefficients)
+                places = (m * n + begin, q * n + begin, end - begin)
+                ahead = _ahead(n, (m, q), (tiled, tiled_block))
+                place = (m * tiled_block + 4 * q) * _LANES
+                _project_tile(vectors, places, ahead, sums, place)
+    for m in range(0, tiled, 4):
+        for q in range(0, tiled_block, 4):
+            place = (m * tiled_block + 4 * q) * _LANES
+            _add_tile(sums, place, coefficients[m : m + 4, q : q + 4])
     for m in range(len(basis)):
         for q in range(tiled_block if m < tiled else 0, len(block)):
             coefficients[m, q] += _product(basis[m], block[q])
+        for q in range(tiled_block if m < tiled else 0):
+            for k in range(full, n):
+                coefficients[m, q] += basis[m, k] * block[q, k]
+
+
+@compiled
+def _ahead(n: int, tile: tuple[int, int], tiles: tuple[int, int]) -> int:
+    """How far on in memory the vectors lie that come after this tile's; 0 if these remain.
+
+    The processor is told while it still works on those at hand, and need not wait for them.
+    """
+    (m, q), (n_basis, n_block) = tile, tiles
+    if q + 4 < n_block:
+        return 0
+    return 4 * n if m + 4 < n_basis else _STRIP - m * n
 
 
 @compiled
 def _project_tile(
-    basis: Floats, m: int, block: Floats, q: int, strip: tuple[int, int], coefficients: Floats
+    vectors: tuple[Floats, Floats, int],
+    places: tuple[int, int, int],
+    ahead: int,
+    sums: Floats,
+    place: int,
 ) -> None:
-    """Four vectors' inner products with four others: sixteen registers' worth of sums."""
-    n = basis.shape[1]
-    numbers, others = basis.reshape(-1), block.reshape(-1)
-    full = strip[1] - (strip[1] - strip[0]) % _LANES
+    """Add four vectors' products with four others to sixteen registers' worth of sums."""
+    numbers, others, n = vectors
+    i, k, length = places
     zero = eight(0.0)
     a0, a1, a2, a3 = zero, zero, zero, zero
     b0, b1, b2, b3 = zero, zero, zero, zero
     c0, c1, c2, c3 = zero, zero, zero, zero
     d0, d1, d2, d3 = zero, zero, zero, zero
-    for i in range(strip[0], full, _LANES):
-        x0, x1 = load(zero, others, q * n + i), load(zero, others, (q + 1) * n + i)
-        x2, x3 = load(zero, others, (q + 2) * n + i), load(zero, others, (q + 3) * n + i)
-        a, b = load(zero, numbers, m * n + i), load(zero, numbers, (m + 1) * n + i)
-        c, d = load(zero, numbers, (m + 2) * n + i), load(zero, numbers, (m + 3) * n + i)
+    for _ in range(0, length, _LANES):
+        if ahead:
+            _prefetch_four(numbers, i + ahead, n)
+        x0, x1 = load(zero, others, k), load(zero, others, k + n)
+        x2, x3 = load(zero, others, k + 2 * n), load(zero, others, k + 3 * n)
+        a, b = load(zero, numbers, i), load(zero, numbers, i + n)
+        c, d = load(zero, numbers, i + 2 * n), load(zero, numbers, i + 3 * n)
         a0, a1 = added_product(a0, a, x0), added_product(a1, a, x1)
         a2, a3 = added_product(a2, a, x2), added_product(a3, a, x3)
         b0, b1 = added_product(b0, b, x0), added_product(b1, b, x1)
@@ -161,59 +200,90 @@ def _project_tile(
         c2, c3 = added_product(c2, c, x2), added_product(c3, c, x3)
         d0, d1 = added_product(d0, d, x0), added_product(d1, d, x1)
         d2, d3 = added_product(d2, d, x2), added_product(d3, d, x3)
-    _add_row(coefficients[m], q, (total(a0), total(a1), total(a2), total(a3)))
-    _add_row(coefficients[m + 1], q, (total(b0), total(b1), total(b2), total(b3)))
-    _add_row(coefficients[m + 2], q, (total(c0), total(c1), total(c2), total(c3)))
-    _add_row(coefficients[m + 3], q, (total(d0), total(d1), total(d2), total(d3)))
-    for k in range(full, strip[1]):
-        for i in range(4):
-            for j in range(4):
-                coefficients[m + i, q + j] += basis[m + i, k] * block[q + j, k]
+        i, k = i + _LANES, k + _LANES
+    _add_four(sums, place, (a0, a1, a2, a3))
+    _add_four(sums, place + 4 * _LANES, (b0, b1, b2, b3))
+    _add_four(sums, place + 8 * _LANES, (c0, c1, c2, c3))
+    _add_four(sums, place + 12 * _LANES, (d0, d1, d2, d3))
 
 
 @compiled
-def _add_row(row: Floats, first: int, numbers: tuple[float, float, float, float]) -> None:
-    for j in range(4):
-        row[first + j] += numbers[j]
+def _prefetch_four(numbers: Floats, place: int, apart: int) -> None:
+    prefetch(numbers, place)
+    prefetch(numbers, place + apart)
+    prefetch(numbers, place + 2 * apart)
+    prefetch(numbers, place + 3 * apart)
+
+
+@compiled
+def _add_four(sums: Floats, place: int, lanes: tuple[Lanes, Lanes, Lanes, Lanes]) -> None:
+    for part in lanes:
+        store(added(load(part, sums, place), part), sums, place)
+        place += _LANES
+
+
+@compiled
+def _add_tile(sums: Floats, place: int, coefficients: Floats) -> None:
+    """Add up the lanes of sixteen sums, and add these to a tile of the coefficients."""
+    zero = eight(0.0)
+    for i in range(4):
+        for j in range(4):
+            coefficients[i, j] += total(load(zero, sums, place))
+            place += _LANES
 
 
 @compiled
 def _subtract(basis: Floats, coefficients: Floats, block: Floats) -> None:
     """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
     n = basis.shape[1]
+    full = n - n % _LANES
     tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
-    for begin in range(0, n, _STRIP):
-        end = min(begin + _STRIP, n)
-        full = end - (end - begin) % _LANES
+    vectors = (basis.reshape(-1), block.reshape(-1), n)
+    for begin in range(0, full, _STRIP):
+        end = min(begin + _STRIP, full)
         for m in range(0, tiled, 4):
             for q in range(0, tiled_block, 4):
-                _subtract_tile(basis, m, coefficients, block, q, (begin, full))
-        for m in range(len(basis)):
+                places = (m * n + begin, q * n + begin, end - begin)
+                ahead = _ahead(n, (m, q), (tiled, tiled_block))
+                _subtract_tile(vectors, places, ahead, coefficients, (m, q))
+        for m in range(tiled if tiled_block == len(block) else 0, len(basis)):
             first = tiled_block if m < tiled else 0
             _subtract_plainly(basis, m, coefficients, block, first, (begin, end))
-            if m < tiled:
-                _subtract_plainly(basis, m, coefficients, block[:tiled_block], 0, (full, end))
+    for m in range(len(basis) if full < n else 0):
+        _subtract_plainly(basis, m, coefficients, block, 0, (full, n))
 
 
 @compiled
 def _subtract_tile(
-    basis: Floats, m: int, coefficients: Floats, block: Floats, q: int, strip: tuple[int, int]
+    vectors: tuple[Floats, Floats, int],
+    places: tuple[int, int, int],
+    ahead: int,
+    coefficients: Floats,
+    tile: tuple[int, int],
 ) -> None:
     """Take four vectors' parts out of four others, along a strip of whole registers."""
-    n = basis.shape[1]
-    numbers, others = basis.reshape(-1), block.reshape(-1)
-    a, b, c, d = coefficients[m], coefficients[m + 1], coefficients[m + 2], coefficients[m + 3]
-    a0, a1, a2, a3 = eight(-a[q]), eight(-a[q + 1]), eight(-a[q + 2]), eight(-a[q + 3])
-    b0, b1, b2, b3 = eight(-b[q]), eight(-b[q + 1]), eight(-b[q + 2]), eight(-b[q + 3])
-    c0, c1, c2, c3 = eight(-c[q]), eight(-c[q + 1]), eight(-c[q + 2]), eight(-c[q + 3])
-    d0, d1, d2, d3 = eight(-d[q]), eight(-d[q + 1]), eight(-d[q + 2]), eight(-d[q + 3])
-    for i in range(strip[0], strip[1], _LANES):
-        v0, v1 = load(a0, numbers, m * n + i), load(a0, numbers, (m + 1) * n + i)
-        v2, v3 = load(a0, numbers, (m + 2) * n + i), load(a0, numbers, (m + 3) * n + i)
-        _take_four(others, q * n + i, (v0, v1, v2, v3), (a0, b0, c0, d0))
-        _take_four(others, (q + 1) * n + i, (v0, v1, v2, v3), (a1, b1, c1, d1))
-        _take_four(others, (q + 2) * n + i, (v0, v1, v2, v3), (a2, b2, c2, d2))
-        _take_four(others, (q + 3) * n + i, (v0, v1, v2, v3), (a3, b3, c3, d3))
+    numbers, others, n = vectors
+    (i, k, length), (m, q) = places, tile
+    a0, a1, a2, a3 = _minus_four(coefficients, m, q)
+    b0, b1, b2, b3 = _minus_four(coefficients, m + 1, q)
+    c0, c1, c2, c3 = _minus_four(coefficients, m + 2, q)
+    d0, d1, d2, d3 = _minus_four(coefficients, m + 3, q)
+    for _ in range(0, length, _LANES):
+        if ahead:
+            _prefetch_four(numbers, i + ahead, n)
+        v0, v1 = load(a0, numbers, i), load(a0, numbers, i + n)
+        v2, v3 = load(a0, numbers, i + 2 * n), load(a0, numbers, i + 3 * n)
+        _take_four(others, k, (v0, v1, v2, v3), (a0, b0, c0, d0))
+        _take_four(others, k + n, (v0, v1, v2, v3), (a1, b1, c1, d1))
+        _take_four(others, k + 2 * n, (v0, v1, v2, v3), (a2, b2, c2, d2))
+        _take_four(others, k + 3 * n, (v0, v1, v2, v3), (a3, b3, c3, d3))
+        i, k = i + _LANES, k + _LANES
+
+
+@compiled
+def _minus_four(coefficients: Floats, m: int, q: int) -> tuple[Lanes, Lanes, Lanes, Lanes]:
+    a, b = eight(-coefficients[m, q]), eight(-coefficients[m, q + 1])
+    return a, b, eight(-coefficients[m, q + 2]), eight(-coefficients[m, q + 3])
 
 
 @compiled
@@ -234,5 +304,6 @@ def _subtract_plainly(
 ) -> None:
     """Take one vector's part out of those from `first` on, along a strip."""
     for q in range(first, len(block)):
+        factor = coefficients[m, q]
         for i in range(strip[0], strip[1]):
-            block[q, i] -= basis[m, i] * coefficients[m, q]
+            block[q, i] -= basis[m, i] * factor

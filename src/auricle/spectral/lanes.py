@@ -18,6 +18,8 @@ F = TypeVar("F", bound=Callable[..., object])
 
 _CONTRACT = ("contract",)
 """A product and the sum it goes into may be one instruction, rounded once."""
+_READ, _SOON, _DATA = 0, 2, 1
+"""Of a hint to the processor: for what, how near it is to be kept, and of which kind."""
 _NUMBER, _COUNT, _INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 
 
@@ -95,6 +97,19 @@ def _store(typing: Any, lanes: Any, numbers: Any, place: Any) -> Any:
     return types.void(lanes, numbers, types.intp), generate
 
 
+def _prefetch(typing: Any, numbers: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address = _address(context, builder, signature.args[0], arguments[0], arguments[1])
+        pointer = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [pointer, _INDEX, _INDEX, _INDEX])
+        hint = builder.module.declare_intrinsic("llvm.prefetch", [pointer], kind)
+        options = [ir.Constant(_INDEX, option) for option in (_READ, _SOON, _DATA)]
+        builder.call(hint, [builder.bitcast(address, pointer), *options])
+        return context.get_dummy_value()
+
+    return types.void(numbers, types.intp), generate
+
+
 def _added(typing: Any, total: Any, other: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.fadd(*arguments)
@@ -149,6 +164,8 @@ load: Final = cast(Callable[[Lanes, Floats, int], Lanes], intrinsic(_load))
 """As many numbers as the first argument has, from a contiguous array's place on."""
 store: Final = cast(Callable[[Lanes, Floats, int], None], intrinsic(_store))
 """Put lanes into a contiguous array from a place on."""
+prefetch: Final = cast(Callable[[Floats, int], None], intrinsic(_prefetch))
+"""Say that an array will soon be read from a place on; it may lie outside, which says nothing."""
 added: Final = cast(Callable[[Lanes, Lanes], Lanes], intrinsic(_added))
 """Lane by lane, total + other."""
 subtracted: Final = cast(Callable[[Lanes, Lanes], Lanes], intrinsic(_subtracted))

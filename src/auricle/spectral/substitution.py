@@ -49,15 +49,29 @@ def substituted(plan: EliminationPlan, panels: Floats, right: Floats) -> Floats:
 @compiled
 def _permute(rows: Floats, order: Integers, columns: Floats, n_columns: int) -> None:
     """Set rows side by side, in order of elimination."""
-    for i in range(len(order)):
-        for j in range(len(rows)):
+    fours = len(rows) - len(rows) % 4
+    for j in range(0, fours, 4):
+        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
+        for i in range(len(order)):
+            place, k = i * n_columns + j, order[i]
+            columns[place], columns[place + 1] = a[k], b[k]
+            columns[place + 2], columns[place + 3] = c[k], d[k]
+    for j in range(fours, len(rows)):
+        for i in range(len(order)):
             columns[i * n_columns + j] = rows[j, order[i]]
 
 
 @compiled
 def _permute_back(columns: Floats, n_columns: int, order: Integers, rows: Floats) -> None:
-    for i in range(len(order)):
-        for j in range(len(rows)):
+    fours = len(rows) - len(rows) % 4
+    for j in range(0, fours, 4):
+        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
+        for i in range(len(order)):
+            place, k = i * n_columns + j, order[i]
+            a[k], b[k] = columns[place], columns[place + 1]
+            c[k], d[k] = columns[place + 2], columns[place + 3]
+    for j in range(fours, len(rows)):
+        for i in range(len(order)):
             rows[j, order[i]] = columns[i * n_columns + j]
 
 
