@@ -9,13 +9,16 @@ from scipy import sparse
 from auricle.arrays import Floats, Integers
 from auricle.compiled import compiled
 from auricle.errors import SolverError
+from auricle.spectral.bolsters import Bolstered
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.row_products import row_products
 from auricle.spectral.substitution import substituted
 
-_TINY_PIVOT = 1e-11
+_POOR, _POOR_ROWS, _POORER, _MOST_BOLSTERS = 0.03, 10_000, 0.01, 64
+"""Pivots are bolstered that are poorer than this for a matrix of so many rows (larger ones have
+more of them, and less each), or, where those are too many to be cheap, than this share of it."""
 _MOVE, _LEAST_MOVE = 1e-4, 1e-10
 """Of the shift, and of the largest entry of the matrix."""
 _ATTEMPTS = 6
@@ -111,6 +114,7 @@ class ShiftedFactorization:
     _matrix: sparse.csc_array
     _plan: EliminationPlan
     _panels: Floats
+    _bolstered: Bolstered
 
     def __post_init__(self) -> None:
         right = np.random.default_rng(0).standard_normal(self.size)
@@ -140,7 +144,9 @@ class ShiftedFactorization:
 
     def _substituted(self, right: Floats) -> Floats:
         rows = np.ascontiguousarray(right.reshape(self.size, -1).T, dtype=np.float64)
-        return substituted(self._plan, self._panels, rows).T.reshape(right.shape)
+        solutions = substituted(self._plan, self._panels, rows)
+        self._bolstered.take_out_of(solutions)
+        return solutions.T.reshape(right.shape)
 
     def _residual(self, right: Floats, solution: Floats) -> Floats:
         images = row_products(self._matrix, np.atleast_2d(solution.T)).T.reshape(right.shape)
@@ -188,18 +194,40 @@ def factorize(
         raise SolverError("the matrix has another pattern than its analysis: analyze it anew")
     data = np.require(matrix.data, np.float64, ["C", "W"])
     magnitudes = _largest_magnitudes(matrix.indptr, matrix.data)
-    least_pivots = _TINY_PIVOT * magnitudes[symbolic.plan.order]
     scale = float(magnitudes.max())
+    magnitudes = magnitudes[symbolic.plan.order]
     moved = float(shift)
     for attempt in range(_ATTEMPTS):
-        eliminated = eliminate(symbolic.plan, data, moved, least_pivots)
-        if eliminated is not None:
-            panels, n_below = eliminated
-            factors = ShiftedFactorization(moved, n_below, matrix, symbolic.plan, panels)
-            if factors.backward_error <= _LARGEST_BACKWARD_ERROR:
-                return factors
+        factors = _factored(matrix, data, moved, magnitudes, symbolic.plan)
+        if factors is not None and factors.backward_error <= _LARGEST_BACKWARD_ERROR:
+            return factors
         moved = shift + max(_MOVE * abs(shift), _LEAST_MOVE * scale) * 2**attempt
     raise SolverError(f"no shift near {shift:.6g} can be factored: is the surface degenerate?")
+
+
+def _factored(
+    matrix: sparse.csc_array,
+    data: Floats,
+    shift: float,
+    magnitudes: Floats,
+    plan: EliminationPlan,
+) -> ShiftedFactorization | None:
+    """Factors at exactly this shift; None where the matrix is singular there to rounding."""
+    poor = _POOR * min(_POOR_ROWS / len(magnitudes), 1.0)
+    for limit in (poor, _POORER * poor, 0.0):
+        eliminated = eliminate(plan, data, shift, magnitudes, poor=limit)
+        if eliminated is None:
+            return None
+        panels, n_negative, in_order = eliminated
+        if np.count_nonzero(in_order) <= _MOST_BOLSTERS:
+            break
+    bolsters = np.zeros_like(in_order)
+    bolsters[plan.order] = in_order
+    bolstered = Bolstered.of(bolsters, lambda rows: substituted(plan, panels, rows))
+    if bolstered is None:
+        return None
+    n_below = n_negative + bolstered.n_negative
+    return ShiftedFactorization(shift, n_below, matrix, plan, panels, bolstered)
 
 
 @compiled

@@ -53,6 +53,14 @@ def orthogonalize(basis: Floats, block: Floats) -> Floats:
     return coefficients
 
 
+def add_multiples(block: Floats, factors: Floats, vectors: Floats) -> None:
+    """Add factors·vectors to `block` in place: few vectors, one a row, shape (m, n).
+
+    `factors` has shape (b, m), `block` (b, n), contiguous.
+    """
+    _subtract(vectors, -factors.T, block)
+
+
 def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     """Orthonormal rows and a lower triangle with block = triangle·rows.
 
@@ -145,16 +153,13 @@ def _project(basis: Floats, block: Floats, coefficients: Floats) -> None:
                 ahead = _ahead(n, (m, q), (tiled, tiled_block))
                 place = (m * tiled_block + 4 * q) * _LANES
                 _project_tile(vectors, places, ahead, sums, place)
-    for m in range(0, tiled, 4):
-        for q in range(0, tiled_block, 4):
-            place = (m * tiled_block + 4 * q) * _LANES
-            _add_tile(sums, place, coefficients[m : m + 4, q : q + 4])
+    _add_tiles(sums, coefficients[:tiled, :tiled_block])
     for m in range(len(basis)):
-        for q in range(tiled_block if m < tiled else 0, len(block)):
-            coefficients[m, q] += _product(basis[m], block[q])
         for q in range(tiled_block if m < tiled else 0):
             for k in range(full, n):
                 coefficients[m, q] += basis[m, k] * block[q, k]
+        for q in range(tiled_block if m < tiled else 0, len(block)):
+            coefficients[m, q] += _product(basis[m], block[q])
 
 
 @compiled
@@ -223,13 +228,14 @@ def _add_four(sums: Floats, place: int, lanes: tuple[Lanes, Lanes, Lanes, Lanes]
 
 
 @compiled
-def _add_tile(sums: Floats, place: int, coefficients: Floats) -> None:
-    """Add up the lanes of sixteen sums, and add these to a tile of the coefficients."""
-    zero = eight(0.0)
-    for i in range(4):
-        for j in range(4):
-            coefficients[i, j] += total(load(zero, sums, place))
-            place += _LANES
+def _add_tiles(sums: Floats, coefficients: Floats) -> None:
+    """Add up the lanes of sums, sixteen a tile, and add these to the coefficients."""
+    zero, place = eight(0.0), 0
+    for m in range(0, len(coefficients), 4):
+        for q in range(0, coefficients.shape[1], 4):
+            for entry in range(16):
+                coefficients[m + entry // 4, q + entry % 4] += total(load(zero, sums, place))
+                place += _LANES
 
 
 @compiled

@@ -9,6 +9,8 @@ from auricle.spectral.lanes import added_product, eight, load, store
 
 _DOMINANCE = 0.3
 """A diagonal entry this large against the rest of its column is a pivot, else half of a pair."""
+_TINY = 1e-11
+"""Of the magnitude of the matrix's column: a pivot no larger than this is none."""
 _LANES = 8
 _STRIP = 64
 """Rows of a strip of a Schur complement, whose lower triangle is stored strip by strip."""
@@ -21,12 +23,14 @@ makes the last digits depend on the number of threads.
 
 
 def eliminate(
-    plan: EliminationPlan, data: Floats, shift: float, least_pivots: Floats
-) -> tuple[Floats, int] | None:
-    """Factors of (matrix − shift·I), and how many eigenvalues of the matrix are below the shift.
+    plan: EliminationPlan, data: Floats, shift: float, magnitudes: Floats, *, poor: float
+) -> tuple[Floats, int, Floats] | None:
+    """Factors of (matrix − shift·I + bolsters), and how many of its eigenvalues are negative.
 
     A panel of the result holds the inverse of its supernode's diagonal block and, below it, L.
     Pivots are sought within the diagonal block, one or two at a time, and never outside of it.
+    Where all that are left there are poor, which would make L large and solves wrong, one is
+    bolstered: its diagonal entry is enlarged to the size of what is under it.
 
     Parameters
     ----------
@@ -36,31 +40,40 @@ def eliminate(
         The stored values of the matrix, in the order of the pattern that was planned.
     shift
         Taken from the diagonal.
-    least_pivots
-        Shape (n,), by column in order of elimination: a pivot no larger than that is refused.
+    magnitudes
+        Largest of each column of the matrix, shape (n,), in order of elimination.
+    poor
+        Size of a pivot, relative to what is under it in its panel, below which it is bolstered.
 
     Returns
     -------
     tuple or None
-        Panels, shape (plan.panel_start[-1],), and the count; None where a pivot was refused.
+        Panels, shape (plan.panel_start[-1],), the count, and what was added to the diagonal,
+        shape (n,), in order of elimination; None where a last pivot, with nothing under it, is
+        none: the matrix is singular to rounding.
     """
     panels = np.empty(int(plan.panel_start[-1]))
     stack = np.empty(_stack_size(plan))
-    n_below = _eliminate(plan, (data, shift, least_pivots), stack, panels)
-    return None if n_below < 0 else (panels, int(n_below))
+    bolsters = np.zeros(len(magnitudes))
+    n_negative = _eliminate(plan, (data, shift, magnitudes, poor), stack, panels, bolsters)
+    return None if n_negative < 0 else (panels, int(n_negative), bolsters)
 
 
 @compiled
 def _eliminate(
-    plan: EliminationPlan, values: tuple[Floats, float, Floats], stack: Floats, panels: Floats
+    plan: EliminationPlan,
+    values: tuple[Floats, float, Floats, float],
+    stack: Floats,
+    panels: Floats,
+    bolsters: Floats,
 ) -> int:
-    """Fill `panels`; returns the number of negative eigenvalues, or -1 at a refused pivot."""
-    data, shift, least_pivots = values
+    """Fill `panels` and `bolsters`; returns the number of negative eigenvalues, -1 for None."""
+    data, shift, magnitudes, poor = values
     front = np.empty(_largest_panel(plan))
     room = np.empty(_room(plan))
     waiting = np.empty(len(plan.parent) + 1, np.int64)
     begins = np.zeros(len(plan.parent) + 2, np.int64)
-    n_waiting, n_below = 0, 0
+    n_waiting, n_negative = 0, 0
     for s in range(len(plan.parent)):
         first, end = plan.first_column[s], plan.first_column[s + 1]
         panel = front[: plan.panel_start[s + 1] - plan.panel_start[s]]
@@ -70,10 +83,12 @@ def _eliminate(
             oldest -= 1
             _subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
         factor = panels[plan.panel_start[s] : plan.panel_start[s + 1]]
-        n_negative = _invert(panel, least_pivots[first:end], room, factor)
-        if n_negative < 0:
+        limits, sizes = _pivot_sizes(panel, magnitudes[first:end], poor)
+        pivots = (limits, sizes, bolsters[first:end])
+        n_here = _invert(panel, pivots, room, factor)
+        if n_here < 0:
             return -1
-        n_below += n_negative
+        n_negative += n_here
         complement = stack[begins[n_waiting] :]
         _multiply(panel, end - first, factor, complement)
         for child in range(oldest, n_waiting):
@@ -85,7 +100,7 @@ def _eliminate(
         waiting[oldest] = s
         begins[oldest + 1] = begins[oldest] + size
         n_waiting = oldest + 1
-    return n_below
+    return n_negative
 
 
 @compiled
@@ -169,15 +184,34 @@ def _multiply_rows(left: Floats, right: Floats, product: Floats) -> None:
 
 
 @compiled
-def _invert(panel: Floats, least_pivots: Floats, room: Floats, factor: Floats) -> int:
+def _pivot_sizes(panel: Floats, magnitudes: Floats, poor: float) -> tuple[Floats, Floats]:
+    """Below which size a pivot is bolstered, and to which: 0 where nothing is under it."""
+    width = len(magnitudes)
+    under = panel[width * width :]
+    limits, sizes = np.zeros(width), np.zeros(width)
+    for first in range(0, len(under), width):
+        for k in range(width):
+            size = abs(under[first + k])
+            sizes[k] = size if size > sizes[k] else sizes[k]
+    for k in range(width):
+        limits[k] = max(poor * sizes[k], _TINY * magnitudes[k])
+        sizes[k] = max(sizes[k], limits[k]) if sizes[k] > 0 else 0.0
+    return limits, sizes
+
+
+@compiled
+def _invert(
+    panel: Floats, pivots: tuple[Floats, Floats, Floats], room: Floats, factor: Floats
+) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
     By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
-    entry next to it, on the two together. Returns the number of negative pivots, which is that of
-    negative eigenvalues; -1 if a pivot is no larger than the least allowed. Rows are worked on in
-    `room`, filled up to whole registers.
+    entry next to it, on the two together; poor ones are bolstered, and told in `bolsters`.
+    Returns the number of negative pivots, which is that of negative eigenvalues; -1 if one is none.
+    Rows are worked on in `room`, filled up to whole registers.
     """
-    size = len(least_pivots)
+    limits, sizes, bolsters = pivots
+    size = len(limits)
     stride = size + -size % _LANES
     square = room[: size * stride].reshape((size, stride))
     columns = room[size * stride : (size + 4) * stride].reshape((4, stride))
@@ -192,8 +226,11 @@ def _invert(panel: Floats, least_pivots: Floats, room: Floats, factor: Floats) -
         left[k] = False
         pair = _largest(square[k], left)
         beside = abs(square[k, pair]) if left[pair] else 0.0
-        if not max(abs(square[k, k]), beside) > least_pivots[k]:
-            return -1
+        if not max(abs(square[k, k]), beside) > limits[k]:
+            if sizes[k] == 0:
+                return -1
+            bolsters[k] = sizes[k] if square[k, k] >= 0 else -sizes[k]
+            square[k, k] += bolsters[k]
         if abs(square[k, k]) >= _DOMINANCE * beside:
             n_negative += square[k, k] < 0
             n_left -= 1
