@@ -16,9 +16,9 @@ from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.row_products import row_products
 from auricle.spectral.substitution import substituted
 
-_POOR, _POOR_ROWS, _POORER, _MOST_BOLSTERS = 0.03, 10_000, 0.01, 64
-"""Pivots are bolstered that are poorer than this for a matrix of so many rows (larger ones have
-more of them, and less each), or, where those are too many to be cheap, than this share of it."""
+_GROWTHS, _MOST_BOLSTERS = (50.0, 1e3, 1e5, np.inf), 64
+"""Largest entries that L may have: the first for which not more pivots are bolstered than is cheap
+to correct for."""
 _MOVE, _LEAST_MOVE = 1e-4, 1e-10
 """Of the shift, and of the largest entry of the matrix."""
 _ATTEMPTS = 6
@@ -213,9 +213,8 @@ def _factored(
     plan: EliminationPlan,
 ) -> ShiftedFactorization | None:
     """Factors at exactly this shift; None where the matrix is singular there to rounding."""
-    poor = _POOR * min(_POOR_ROWS / len(magnitudes), 1.0)
-    for limit in (poor, _POORER * poor, 0.0):
-        eliminated = eliminate(plan, data, shift, magnitudes, poor=limit)
+    for growth in _GROWTHS:
+        eliminated = eliminate(plan, data, shift, magnitudes, growth=growth)
         if eliminated is None:
             return None
         panels, n_negative, in_order = eliminated

@@ -11,6 +11,9 @@ _DOMINANCE = 0.3
 """A diagonal entry this large against the rest of its column is a pivot, else half of a pair."""
 _TINY = 1e-11
 """Of the magnitude of the matrix's column: a pivot no larger than this is none."""
+_BOLSTER, _MOST_BOLSTERS = 8.0, 16
+"""Of the largest entry under a diagonal block: what is added to its diagonal; and how many times
+that is done for one supernode."""
 _LANES = 8
 _STRIP = 64
 """Rows of a strip of a Schur complement, whose lower triangle is stored strip by strip."""
@@ -23,14 +26,14 @@ makes the last digits depend on the number of threads.
 
 
 def eliminate(
-    plan: EliminationPlan, data: Floats, shift: float, magnitudes: Floats, *, poor: float
+    plan: EliminationPlan, data: Floats, shift: float, magnitudes: Floats, *, growth: float
 ) -> tuple[Floats, int, Floats] | None:
     """Factors of (matrix − shift·I + bolsters), and how many of its eigenvalues are negative.
 
     A panel of the result holds the inverse of its supernode's diagonal block and, below it, L.
     Pivots are sought within the diagonal block, one or two at a time, and never outside of it.
-    Where all that are left there are poor, which would make L large and solves wrong, one is
-    bolstered: its diagonal entry is enlarged to the size of what is under it.
+    Where the block is so near to singular that L would be large, and solves wrong, the row that
+    is to blame is bolstered: its diagonal entry is enlarged beyond the size of what is under it.
 
     Parameters
     ----------
@@ -42,8 +45,8 @@ def eliminate(
         Taken from the diagonal.
     magnitudes
         Largest of each column of the matrix, shape (n,), in order of elimination.
-    poor
-        Size of a pivot, relative to what is under it in its panel, below which it is bolstered.
+    growth
+        Largest entry that L may have.
 
     Returns
     -------
@@ -55,7 +58,7 @@ def eliminate(
     panels = np.empty(int(plan.panel_start[-1]))
     stack = np.empty(_stack_size(plan))
     bolsters = np.zeros(len(magnitudes))
-    n_negative = _eliminate(plan, (data, shift, magnitudes, poor), stack, panels, bolsters)
+    n_negative = _eliminate(plan, (data, shift, magnitudes, growth), stack, panels, bolsters)
     return None if n_negative < 0 else (panels, int(n_negative), bolsters)
 
 
@@ -68,7 +71,7 @@ def _eliminate(
     bolsters: Floats,
 ) -> int:
     """Fill `panels` and `bolsters`; returns the number of negative eigenvalues, -1 for None."""
-    data, shift, magnitudes, poor = values
+    data, shift, magnitudes, growth = values
     front = np.empty(_largest_panel(plan))
     room = np.empty(_room(plan))
     waiting = np.empty(len(plan.parent) + 1, np.int64)
@@ -83,9 +86,8 @@ def _eliminate(
             oldest -= 1
             _subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
         factor = panels[plan.panel_start[s] : plan.panel_start[s + 1]]
-        limits, sizes = _pivot_sizes(panel, magnitudes[first:end], poor)
-        pivots = (limits, sizes, bolsters[first:end])
-        n_here = _invert(panel, pivots, room, factor)
+        pivots = (magnitudes[first:end], bolsters[first:end])
+        n_here = _factor_panel(panel, pivots, growth, room, factor)
         if n_here < 0:
             return -1
         n_negative += n_here
@@ -155,12 +157,10 @@ def _add_to_complement(
 
 @compiled
 def _multiply(panel: Floats, width: int, factor: Floats, complement: Floats) -> None:
-    """Complete a factor's panel, below its inverse, and the Schur complement (to subtract)."""
+    """The Schur complement (to subtract)."""
     height = len(panel) // width - width
-    inverse = factor[: width * width].reshape((width, width))
     under = panel[width * width :].reshape((height, width))
     multipliers = factor[width * width :].reshape((height, width))
-    _multiply_rows(under, inverse, multipliers)
     room = np.empty(_STRIP * _STRIP)
     for first in range(0, height, _STRIP):
         end = min(first + _STRIP, height)
@@ -184,34 +184,59 @@ def _multiply_rows(left: Floats, right: Floats, product: Floats) -> None:
 
 
 @compiled
-def _pivot_sizes(panel: Floats, magnitudes: Floats, poor: float) -> tuple[Floats, Floats]:
-    """Below which size a pivot is bolstered, and to which: 0 where nothing is under it."""
-    width = len(magnitudes)
-    under = panel[width * width :]
-    limits, sizes = np.zeros(width), np.zeros(width)
-    for first in range(0, len(under), width):
-        for k in range(width):
-            size = abs(under[first + k])
-            sizes[k] = size if size > sizes[k] else sizes[k]
-    for k in range(width):
-        limits[k] = max(poor * sizes[k], _TINY * magnitudes[k])
-        sizes[k] = max(sizes[k], limits[k]) if sizes[k] > 0 else 0.0
-    return limits, sizes
+def _factor_panel(
+    panel: Floats, pivots: tuple[Floats, Floats], growth: float, room: Floats, factor: Floats
+) -> int:
+    """Fill a factor's panel: the inverse of the square on top and, under it, L.
+
+    `pivots` are magnitudes and bolsters of its columns. Returns the number of negative eigenvalues
+    of the square, bolstered where L would be large; -1 if it is singular with nothing under it.
+    """
+    width = len(pivots[0])
+    inverse = factor[: width * width].reshape((width, width))
+    under = panel[width * width :].reshape((-1, width))
+    multipliers = factor[width * width :].reshape((-1, width))
+    bolster = _BOLSTER * _largest_entry(under)[0]
+    for _ in range(_MOST_BOLSTERS):
+        n_negative = _invert(panel, (pivots[0], pivots[1], bolster), room, factor)
+        if n_negative < 0:
+            break
+        _multiply_rows(under, inverse, multipliers)
+        largest, k = _largest_entry(multipliers)
+        if not largest > growth:
+            break
+        # A vector that the square nearly takes to zero is largest there.
+        added = bolster if inverse[k, k] > 0 else -bolster
+        panel[k * width + k] += added
+        pivots[1][k] += added
+    return n_negative
+
+
+@compiled
+def _largest_entry(rows: Floats) -> tuple[float, int]:
+    """Largest magnitude, and in which column it is."""
+    size, column = 0.0, 0
+    for i in range(len(rows)):
+        for k in range(rows.shape[1]):
+            if abs(rows[i, k]) > size:
+                size, column = abs(rows[i, k]), k
+    return size, column
 
 
 @compiled
 def _invert(
-    panel: Floats, pivots: tuple[Floats, Floats, Floats], room: Floats, factor: Floats
+    panel: Floats, pivots: tuple[Floats, Floats, float], room: Floats, factor: Floats
 ) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
     By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
-    entry next to it, on the two together; poor ones are bolstered, and told in `bolsters`.
-    Returns the number of negative pivots, which is that of negative eigenvalues; -1 if one is none.
-    Rows are worked on in `room`, filled up to whole registers.
+    entry next to it, on the two together. A pivot that is none is bolstered: `pivots` are
+    magnitudes and bolsters of the columns, and what to add. Returns the number of negative pivots,
+    which is that of negative eigenvalues; -1 if one is none and there is nothing to add. Rows are
+    worked on in `room`, filled up to whole registers.
     """
-    limits, sizes, bolsters = pivots
-    size = len(limits)
+    magnitudes, bolsters, bolster = pivots
+    size = len(magnitudes)
     stride = size + -size % _LANES
     square = room[: size * stride].reshape((size, stride))
     columns = room[size * stride : (size + 4) * stride].reshape((4, stride))
@@ -226,11 +251,12 @@ def _invert(
         left[k] = False
         pair = _largest(square[k], left)
         beside = abs(square[k, pair]) if left[pair] else 0.0
-        if not max(abs(square[k, k]), beside) > limits[k]:
-            if sizes[k] == 0:
+        if not max(abs(square[k, k]), beside) > _TINY * magnitudes[k]:
+            if bolster == 0:
                 return -1
-            bolsters[k] = sizes[k] if square[k, k] >= 0 else -sizes[k]
-            square[k, k] += bolsters[k]
+            square[k, k] += bolster
+            panel[k * size + k] += bolster
+            bolsters[k] += bolster
         if abs(square[k, k]) >= _DOMINANCE * beside:
             n_negative += square[k, k] < 0
             n_left -= 1
