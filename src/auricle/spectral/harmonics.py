@@ -14,7 +14,6 @@ from auricle.progress import Progress, silent
 from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
-from auricle.spectral.orthonormal_rows import orthonormalized
 from auricle.spectral.power import Spectrum
 from auricle.spectral.refinement import Refined, corrected, freed_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
@@ -253,15 +252,9 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
     least = _least(pairs.values, scale)
     rows = freed_of_rounding(
-        matrix, pairs.vectors[:n_returned], least=least, workers=workers, symbolic=symbolic
+        matrix, pairs.vectors[:n_returned], pairs.values[:n_returned], least=least
     )
-    refined = corrected(
-        matrix,
-        orthonormalized(rows, workers),
-        least=least,
-        workers=workers,
-        symbolic=symbolic,
-    )
+    refined = corrected(matrix, rows, least=least, workers=workers, symbolic=symbolic)
     gap = _last_gap(refined.values, pairs)
     certificate = _certificate(
         refined, factorize(matrix, gap, symbolic=symbolic), operator=operator

@@ -14,7 +14,7 @@ from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_LEAST_LOST, _MOST_LOST = 1e-15, 1e-10
+_LEAST_LOST, _MOST_LOST = 1e-15, 3e-11
 """How far a block is from orthogonal to the basis after all of it was looked at, and may be."""
 _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""

@@ -12,7 +12,7 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
-from auricle.spectral.orthonormal_rows import Orthonormal, orthonormalized
+from auricle.spectral.orthonormal_rows import orthonormalized
 from auricle.spectral.row_products import row_products
 from auricle.spectral.workers import Workers, slices
 
@@ -20,10 +20,11 @@ _AT_ONCE = 16
 _ENOUGH, _NEARLY = 8e-10, 0.1
 """Residual, relative to the eigenvalue, that is left alone, and the share of it that is not where
 others are corrected."""
-_CORRECTIONS = 5
+_EXCEPTIONAL = 10.0
+"""Of the median of the matrix's diagonal: vertices of so much more have far too little area."""
+_CORRECTIONS = 4
 _PROGRESS = 0.5
-"""Share of the largest residual that must be gone for another correction to be worth its time, from
-the second on: the first is of another kind."""
+"""Share of the largest residual that must be gone for another correction to be worth its time."""
 _SIMILAR, _BELOW = 1.1, 0.995
 
 
@@ -62,49 +63,58 @@ class Refined:
 
 
 def freed_of_rounding(
+    matrix: sparse.csc_array, rows: Floats, values: PerMode, *, least: float
+) -> Floats:
+    """Rows without what rounding put into them, where the matrix would make much of it.
+
+    An entry of an iteration's vector is right to rounding of the vector's length and not of its
+    own size. At the few vertices of very little area the matrix is large, and there that shows.
+    What belongs there follows from all other entries by a small system of equations. Rows are
+    returned as they are where there are no such vertices.
+
+    Parameters
+    ----------
+    matrix
+        Symmetric, positive semi-definite, shape (n, n).
+    rows, values
+        Eigenvectors of its lowest eigenvalues, one a row, shape (k, n), and these, shape (k,).
+    least
+        Eigenvalue that residuals of smaller ones are relative to.
+    """
+    diagonal = matrix.diagonal()
+    loud = np.finfo(float).eps * diagonal > _NEARLY * _ENOUGH * least
+    places = np.flatnonzero(loud & (diagonal > _EXCEPTIONAL * np.median(diagonal)))
+    if not len(places):
+        return rows
+    columns = sparse.csc_array(matrix[:, places])
+    left_over = columns.T @ rows.T - values * rows[:, places].T
+    factors = factorize(sparse.csc_array(columns[places]), 0.0)
+    better = rows.copy()
+    better[:, places] -= factors.solve(left_over).T
+    return better
+
+
+def corrected(
     matrix: sparse.csc_array,
     rows: Floats,
     *,
     least: float,
     workers: Workers,
     symbolic: SymbolicFactorization | None = None,
-) -> Floats:
-    """Rows without what rounding put into them, where the matrix would make much of it.
-
-    An entry of an iteration's vector is right to rounding of the vector's length and not of its
-    own size. At vertices of very little area the matrix is large, and there that shows. Such
-    errors belong to eigenvalues far above those sought, and one solve with the matrix, shifted
-    to be positive definite, takes them out. Rows are returned as they are where none is expected.
-    Arguments are those of `corrected`.
-    """
-    if np.finfo(float).eps * matrix.diagonal().max() <= _ENOUGH * least:
-        return rows
-    values, residuals = rayleigh_quotients(matrix, rows, workers)
-    noisy = np.flatnonzero(residuals > _NEARLY * _ENOUGH * np.maximum(values, least))
-    factors = factorize(matrix, -least, symbolic=symbolic)
-    return _solved_for(matrix, rows, noisy, factors, workers)
-
-
-def corrected(
-    matrix: sparse.csc_array,
-    approximate: Orthonormal,
-    *,
-    least: float,
-    workers: Workers,
-    symbolic: SymbolicFactorization | None = None,
 ) -> Refined:
-    """Rows whose residual, relative to the eigenvalue, is below 8e-10 where rounding allows.
+    """Orthonormal rows whose residual, relative to the eigenvalue, is below 8e-10 if it can be.
 
-    First what rounding leaves is taken out of those that leave over more, as `freed_of_rounding`
-    does. Where that is not enough, the rows are rotated into Ritz vectors, and steps of inverse
-    iteration follow at shifts near to what is left.
+    First what rounding leaves is taken out of those that leave over more: it belongs to eigenvalues
+    far above, and one solve with the matrix, shifted to be positive definite, makes little of it.
+    Where that is not enough, the rows are rotated into Ritz vectors, and steps of inverse iteration
+    follow at shifts near to what is left.
 
     Parameters
     ----------
     matrix
         Symmetric, positive semi-definite, shape (n, n).
-    approximate
-        Eigenvectors of its lowest eigenvalues, one a row, shape (k, n).
+    rows
+        Eigenvectors of its lowest eigenvalues, nearly orthonormal, one a row, shape (k, n).
     least
         Eigenvalue that residuals of smaller ones are relative to.
     workers
@@ -112,26 +122,30 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    before, rows = np.inf, approximate.rows
-    for attempt in range(_CORRECTIONS + 1):
-        values, residuals = rayleigh_quotients(matrix, rows, workers)
-        relative = residuals / np.maximum(values, least)
-        worst = float(relative.max())
-        stuck = attempt > 1 and worst > _PROGRESS * before
-        if worst <= _ENOUGH or attempt == _CORRECTIONS or stuck:
+    values, residuals = rayleigh_quotients(matrix, rows, workers)
+    relative = residuals / np.maximum(values, least)
+    if relative.max() > _ENOUGH:
+        # Those nearly poor would be the next to be so.
+        some = np.flatnonzero(relative > _NEARLY * _ENOUGH)
+        factors = factorize(matrix, -float(values.max()), symbolic=symbolic)
+        rows = _solved_for(matrix, rows, some, factors, workers)
+        values[some], residuals[some] = rayleigh_quotients(matrix, rows[some], workers)
+    approximate = orthonormalized(rows, workers)
+    if approximate.rows is not rows:
+        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers)
+    before = np.inf
+    for _ in range(_CORRECTIONS):
+        worst = float((residuals / np.maximum(values, least)).max())
+        if worst <= _ENOUGH or worst > _PROGRESS * before:
             break
         before = worst
-        # Those nearly poor would be the next to be so.
-        groups = [(-least, np.flatnonzero(relative > _NEARLY * _ENOUGH))]
-        if attempt:
-            rows = _rotated(matrix, rows, workers)
-            groups = _by_height(*_poor(matrix, rows, least, workers), least)
-        for shift, some in groups:
+        rows = _rotated(matrix, approximate.rows, workers)
+        for shift, some in _by_height(*_poor(matrix, rows, least, workers), least):
             factors = factorize(matrix, shift, symbolic=symbolic)
             rows = _solved_for(matrix, rows, some, factors, workers)
         approximate = orthonormalized(rows, workers)
-        rows = approximate.rows
-    return Refined(rows, values, residuals, approximate.departure)
+        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers)
+    return Refined(approximate.rows, values, residuals, approximate.departure)
 
 
 def _poor(

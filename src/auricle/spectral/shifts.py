@@ -25,8 +25,6 @@ Factors cost more than vectors on larger ones, so that runs are worth being long
 _BEYOND, _SURPLUS, _PLACINGS = 3, 20, 4
 """Eigenvalues beyond those wanted that the last count is to be made above; how many more may be
 there; and how often that is tried."""
-_STEADY, _ASIDE = 1e-11, (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2, 1.6)
-"""Backward error of solves that need no refinement, and where else to try, in mean spacings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,18 +37,6 @@ class Factorable:
     def at(self, shift: float) -> ShiftedFactorization:
         """Factors at a shift, or as near to it as can be."""
         return factorize(self.matrix, shift, symbolic=self.symbolic)
-
-    def steadily_at(self, shift: float, spacing: float) -> ShiftedFactorization:
-        """Factors at a shift or just beside it, where solves are right without refinement.
-
-        How much is lost to poor pivots changes from one shift to the next, by a hundred times.
-        """
-        tried: list[ShiftedFactorization] = []
-        for aside in _ASIDE:
-            tried.append(self.at(shift + aside * spacing))
-            if tried[-1].backward_error <= _STEADY:
-                return tried[-1]
-        return min(tried, key=lambda factors: factors.backward_error)
 
     @property
     def reach(self) -> int:
@@ -90,7 +76,7 @@ def next_shifts(
     n_runs = _shares(left, factorable.reach)
     heights = [known + left * (1 + 2 * i) / (2 * n_runs) for i in range(min(n_runs, AT_ONCE))]
     places = [low + (height - n_low) * spacing for height in heights]
-    tried = workers.each(lambda place: factorable.steadily_at(place, spacing), places)
+    tried = workers.each(factorable.at, places)
     searched: list[ShiftedFactorization] = []
     for factors in tried:
         # A shift that could not be factored where it was wanted has moved up, past the next maybe.
@@ -101,7 +87,7 @@ def next_shifts(
         searched.append(factors)
         known = factors.n_below + factorable.reach
     if not searched:
-        searched.append(_nearer(factorable, ladder, tried[0], spacing))
+        searched.append(_nearer(factorable, ladder, tried[0]))
     if len(searched) < n_runs or searched[-1].n_below > count:
         return NextShifts(searched, None)
     return NextShifts(searched, _ceiling(factorable, searched[-1], count=count, spacing=spacing))
@@ -144,13 +130,13 @@ def widest_gap(values: Floats) -> float:
 
 
 def _nearer(
-    factorable: Factorable, ladder: Ladder, factors: ShiftedFactorization, spacing: float
+    factorable: Factorable, ladder: Ladder, factors: ShiftedFactorization
 ) -> ShiftedFactorization:
     """A shift with not many more eigenvalues under it than are known."""
     step, known = factors.shift - ladder.certified, len(ladder.values)
     while factors.n_below - known > 2 * factorable.reach:
         step /= 2
-        nearer = factorable.steadily_at(ladder.certified + step, spacing)
+        nearer = factorable.at(ladder.certified + step)
         if nearer.n_below <= known:
             break  # a cluster wider than a slice: climb it whole
         factors = nearer
