@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
-from auricle.spectral.gram_schmidt import orthogonalize, orthonormal
+from auricle.spectral.gram_schmidt import aligned_rows, orthogonalize, orthonormalize
 from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
@@ -89,13 +89,14 @@ class LanczosRun:
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_known, self._n_steps = effort, len(known), 0
         block, most_steps = effort.block, effort.most
-        self._basis = np.empty((len(known) + block * (most_steps + 1), factors.size))
-        self._basis[: len(known)] = known
+        # Filled as the run grows: what is never reached takes no memory.
+        self._basis = aligned_rows(len(known) + block * (most_steps + 1), factors.size)
+        self._put(0, known)
         self._projected = np.zeros((block * most_steps, block * most_steps))
         self._weights = np.empty((0, 0))
-        start = rng.standard_normal((factors.size, block)).T.copy()
-        orthogonalize(known, start)
-        self._basis[len(known) : len(known) + block], self._coupling = orthonormal(start)
+        start = self._put(len(known), rng.standard_normal((factors.size, block)).T)
+        orthogonalize(self._basis[: len(known)], start)
+        self._coupling = orthonormalize(start)
 
     def until(self, missing: Callable[[Floats], int] | None = None) -> Self:
         """Go on until no converged eigenvalue is missing, or the effort is spent.
@@ -133,7 +134,7 @@ class LanczosRun:
             np.matmul(weights, own[:, some], out=found[:, some])
 
         half = self.factors.size // 2
-        halves = [slice(0, half), slice(half, None)]
+        halves = [slice(0, half), slice(half, self.factors.size)]
         if workers is not None:
             workers.each(fill, halves)
         else:
@@ -146,8 +147,8 @@ class LanczosRun:
         for step in range(self._n_steps, n_steps):
             self._pause()
             end = self._n_known + (step + 1) * self._effort.block
-            image = self._basis[end : end + self._effort.block]
-            image[:] = self.factors.solve(self._basis[end - self._effort.block : end].T).T
+            last = self._basis[end - self._effort.block : end, : self.factors.size]
+            image = self._put(end, self.factors.solve(last.T).T)
             diagonal = self._orthogonalized(end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
@@ -155,8 +156,14 @@ class LanczosRun:
                 before = slice(here.start - self._effort.block, here.start)
                 self._projected[before, here] = self._coupling
                 self._projected[here, before] = self._coupling.T
-            image[:], self._coupling = orthonormal(image)
+            self._coupling = orthonormalize(image)
         self._n_steps = max(n_steps, self._n_steps)
+
+    def _put(self, place: int, rows: Floats) -> Floats:
+        """Set rows of the basis from a place on, and what fills them up to 0; returns them."""
+        target = self._basis[place : place + len(rows)]
+        target[:, : self.factors.size], target[:, self.factors.size :] = rows, 0.0
+        return target
 
     def _orthogonalized(self, end: int) -> Floats:
         """Make the image of a block orthogonal to the basis; returns its part in that block.

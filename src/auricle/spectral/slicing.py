@@ -21,13 +21,17 @@ from auricle.spectral.memory import require_memory
 from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts, widest_gap
 from auricle.spectral.workers import Workers
 
-_BLOCK, _SEARCH_BLOCK, _WIDEST_BLOCK = 4, 8, 32
-"""Width of a run's block: of an ordinary one, and of searches for what is missing, which widens.
+_BLOCK, _LARGE_BLOCK, _LARGE = 4, 8, 60_000
+"""Width of a run's block, and from how many vertices on it is another: where factors are far from
+the processor, it is worth more to read them less often than to make few vectors."""
+_SEARCH_BLOCK, _WIDEST_BLOCK = 8, 32
+"""Width in searches for what is missing, which widens.
 
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
-_BLOCKS_UNTIL_FIRST = 15
-"""Blocks before the first pair converges; each further one takes `VECTORS_PER_PAIR` vectors."""
+_UNTIL_FIRST, _AT_THE_BOTTOM = 16, 7
+"""Blocks before the first pair converges, fewer where nothing lies further down;
+each further pair takes `VECTORS_PER_PAIR` vectors."""
 _MOST_VECTORS, _SEARCH_STEPS = 800, 40
 """Length of a run: at most, in vectors; and of a search, in blocks."""
 _MARGIN = 4
@@ -273,9 +277,12 @@ def _search(
 
 
 def _effort(factors: ShiftedFactorization, n_pairs: int) -> Effort:
-    most = min(_MOST_VECTORS, factors.size // 2) // _BLOCK
-    first = _BLOCKS_UNTIL_FIRST + int(VECTORS_PER_PAIR * n_pairs) // _BLOCK
-    return Effort(_BLOCK, min(first, most), most, _TOLERANCE)
+    block = _BLOCK if factors.size < _LARGE else _LARGE_BLOCK
+    most = min(_MOST_VECTORS, factors.size // 2) // block
+    at_the_bottom = factors.n_below <= n_pairs // 2 + _MARGIN
+    first = _AT_THE_BOTTOM if at_the_bottom else _UNTIL_FIRST
+    first += int(VECTORS_PER_PAIR * n_pairs) // block
+    return Effort(block, min(first, most), most, _TOLERANCE)
 
 
 def _search_effort(factors: ShiftedFactorization, block: int) -> Effort:
