@@ -53,7 +53,7 @@ class Bolstered:
         units = np.zeros((len(places), len(bolsters)))
         units[np.arange(len(places)), places] = 1.0
         bolsters = bolsters[places]
-        influences = solve(units)
+        influences = np.ascontiguousarray(solve(units))
         beside = influences[:, places]
         roots = np.sqrt(np.abs(bolsters))
         scaled = np.diag(np.sign(bolsters)) - roots[:, None] * (beside + beside.T) / 2 * roots

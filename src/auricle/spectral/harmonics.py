@@ -251,10 +251,15 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
         )
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
     least = _least(pairs.values, scale)
-    rows = freed_of_rounding(
-        matrix, pairs.vectors[:n_returned], pairs.values[:n_returned], least=least
+    values, vectors = pairs.values[:n_returned], pairs.vectors[:n_returned]
+    refined = corrected(
+        matrix,
+        freed_of_rounding(matrix, vectors, values, least=least),
+        values,
+        least=least,
+        workers=workers,
+        symbolic=symbolic,
     )
-    refined = corrected(matrix, rows, least=least, workers=workers, symbolic=symbolic)
     gap = _last_gap(refined.values, pairs)
     certificate = _certificate(
         refined, factorize(matrix, gap, symbolic=symbolic), operator=operator
@@ -321,27 +326,29 @@ def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) ->
 
     Entries of `rows` belong to the vertices in `order`.
     """
-    modes, roots = np.empty_like(rows), 1 / np.sqrt(areas)
+    modes, roots, places = np.empty_like(rows), 1 / np.sqrt(areas), np.empty_like(order)
+    places[order] = np.arange(len(order))
 
     def fill(some: slice) -> None:
-        _fill_modes(rows[some], order, roots, modes[some])
+        _fill_modes(rows[some], places, roots, modes[some])
 
     workers.each(fill, slices(len(rows), _ROWS_AT_ONCE))
     return modes.T
 
 
 @compiled
-def _fill_modes(rows: Floats, order: Integers, roots: PerVertex, modes: Floats) -> None:
+def _fill_modes(rows: Floats, places: Integers, roots: PerVertex, modes: Floats) -> None:
+    """Set each mode from a row, vertex by vertex from its place there."""
     for row, mode in zip(rows, modes):  # noqa: B905 -- unknown to the compiler
-        for i in range(len(order)):
-            mode[order[i]] = row[i] * roots[order[i]]
-        peak = 0.0
-        for i in range(len(mode)):
-            if abs(mode[i]) > abs(peak):
-                peak = mode[i]
-        if peak < 0:
-            for i in range(len(mode)):
-                mode[i] = -mode[i]
+        high, low = 0.0, 0.0
+        for j in range(len(mode)):
+            value = row[places[j]] * roots[j]
+            mode[j] = value
+            high = value if value > high else high
+            low = value if value < low else low
+        if -low > high:
+            for j in range(len(mode)):
+                mode[j] = -mode[j]
 
 
 def _require_certificate(certificate: Certificate) -> None:

@@ -13,7 +13,7 @@ from auricle.spectral.factorization import (
     factorize,
 )
 from auricle.spectral.orthonormal_rows import orthonormalized
-from auricle.spectral.row_products import row_products
+from auricle.spectral.row_products import row_products, row_quotients
 from auricle.spectral.workers import Workers, slices
 
 _AT_ONCE = 16
@@ -29,14 +29,18 @@ _SIMILAR, _BELOW = 1.1, 0.995
 
 
 def rayleigh_quotients(
-    matrix: sparse.csc_array, rows: Floats, workers: Workers
+    matrix: sparse.csc_array, rows: Floats, workers: Workers, guesses: PerMode | None = None
 ) -> tuple[PerMode, PerMode]:
-    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,)."""
+    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,).
+
+    In one pass over the rows where these values are nearly known, else in two.
+    """
+    if guesses is None:
+        guesses, _ = rayleigh_quotients(matrix, rows, workers, np.zeros(len(rows)))
     values, residuals = np.empty(len(rows)), np.empty(len(rows))
 
     def fill(some: slice) -> None:
-        values[some], left_over = _left_over(matrix, rows[some])
-        residuals[some] = np.linalg.norm(left_over, axis=1)
+        values[some], residuals[some] = row_quotients(matrix, rows[some], guesses[some])
 
     workers.each(fill, slices(len(rows), _AT_ONCE))
     return values, residuals
@@ -97,6 +101,7 @@ def freed_of_rounding(
 def corrected(
     matrix: sparse.csc_array,
     rows: Floats,
+    guesses: PerMode | None = None,
     *,
     least: float,
     workers: Workers,
@@ -115,6 +120,8 @@ def corrected(
         Symmetric, positive semi-definite, shape (n, n).
     rows
         Eigenvectors of its lowest eigenvalues, nearly orthonormal, one a row, shape (k, n).
+    guesses
+        Of the eigenvalues, shape (k,), where they are nearly known.
     least
         Eigenvalue that residuals of smaller ones are relative to.
     workers
@@ -122,17 +129,19 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    values, residuals = rayleigh_quotients(matrix, rows, workers)
+    values, residuals = rayleigh_quotients(matrix, rows, workers, guesses)
     relative = residuals / np.maximum(values, least)
     if relative.max() > _ENOUGH:
         # Those nearly poor would be the next to be so.
         some = np.flatnonzero(relative > _NEARLY * _ENOUGH)
         factors = factorize(matrix, -float(values.max()), symbolic=symbolic)
         rows = _solved_for(matrix, rows, some, factors, workers)
-        values[some], residuals[some] = rayleigh_quotients(matrix, rows[some], workers)
+        values[some], residuals[some] = rayleigh_quotients(
+            matrix, rows[some], workers, values[some]
+        )
     approximate = orthonormalized(rows, workers)
     if approximate.rows is not rows:
-        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers)
+        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers, values)
     before = np.inf
     for _ in range(_CORRECTIONS):
         worst = float((residuals / np.maximum(values, least)).max())

@@ -1,4 +1,4 @@
-"""Products of a sparse symmetric matrix with many vectors, one a row."""
+"""Products of a sparse symmetric matrix with many vectors, one a row, and what they say of them."""
 
 from typing import TypeAlias
 
@@ -6,9 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from auricle.arrays import Floats
+from auricle.arrays import Floats, PerMode
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added_multiple, eight, four, load, store, width
+from auricle.spectral.lanes import (
+    Lanes,
+    added_multiple,
+    added_product,
+    eight,
+    four,
+    load,
+    store,
+    subtracted,
+    width,
+)
 
 Entries: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], Floats]
 """Where each column begins, rows of its entries, and these: as a compressed matrix holds them."""
@@ -44,6 +54,77 @@ def row_products(matrix: sparse.csc_array, rows: Floats) -> Floats:
     return products
 
 
+def row_quotients(
+    matrix: sparse.csc_array, rows: Floats, guesses: PerMode
+) -> tuple[PerMode, PerMode]:
+    """Rayleigh quotients of rows, and norms of what the matrix makes of them beyond, shape (b,).
+
+    Parameters
+    ----------
+    matrix
+        Symmetric, both triangles stored, shape (n, n).
+    rows
+        Shape (b, n).
+    guesses
+        Of the quotients, shape (b,); what is beyond is right to rounding of what is beyond these.
+
+    Examples
+    --------
+    >>> swap = sparse.csc_array(np.array([[0.0, 1.0], [1.0, 0.0]]))
+    >>> values, norms = row_quotients(swap, np.array([[3.0, 3.0], [1.0, 0.0]]), np.zeros(2))
+    >>> values.tolist(), norms.tolist()
+    ([1.0, 0.0], [0.0, 1.0])
+    """
+    values, norms = np.empty(len(rows)), np.empty(len(rows))
+    rows = np.ascontiguousarray(rows, dtype=np.float64)
+    entries = (matrix.indptr, matrix.indices, matrix.data)
+    for first in range(0, len(rows), _WIDE):
+        some = slice(first, first + _WIDE)
+        beyond, beside, sizes = _sums_beyond(entries, rows[some], guesses[some])
+        sizes = np.where(sizes > 0, sizes, 1.0)
+        values[some] = guesses[some] + beside / sizes
+        norms[some] = np.sqrt(np.maximum(beyond - beside**2 / sizes, 0.0))
+    return values, norms
+
+
+@compiled
+def _sums_beyond(entries: Entries, rows: Floats, guesses: PerMode) -> tuple[Floats, Floats, Floats]:
+    """Of each row x and y = matrix·x − guess·x, up to eight: y·y, x·y and x·x."""
+    starts, neighbours, data = entries
+    count, n = rows.shape
+    zero, columns, room = eight(0.0), np.zeros(n * _WIDE), np.zeros(4 * _WIDE)
+    _set_side_by_side(rows, columns, _WIDE)
+    room[:count] = guesses
+    guess, beyond, beside, sizes = load(zero, room, 0), zero, zero, zero
+    for i in range(n):
+        total, own = zero, load(zero, columns, i * _WIDE)
+        for e in range(starts[i], starts[i + 1]):
+            total = added_multiple(total, data, e, load(zero, columns, neighbours[e] * _WIDE))
+        total = subtracted(total, added_product(zero, guess, own))
+        beyond = added_product(beyond, total, total)
+        beside, sizes = added_product(beside, total, own), added_product(sizes, own, own)
+    store(beyond, room, _WIDE)
+    store(beside, room, 2 * _WIDE)
+    store(sizes, room, 3 * _WIDE)
+    sums = room.reshape((4, _WIDE))
+    return sums[1, :count].copy(), sums[2, :count].copy(), sums[3, :count].copy()
+
+
+@compiled
+def _set_side_by_side(rows: Floats, columns: Floats, lanes: int) -> None:
+    """Set the entries of rows beside each other, in places for so many."""
+    fours = len(rows) - len(rows) % 4
+    for j in range(0, fours, 4):
+        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
+        for i in range(rows.shape[1]):
+            place = i * lanes + j
+            columns[place], columns[place + 1] = a[i], b[i]
+            columns[place + 2], columns[place + 3] = c[i], d[i]
+    for j in range(fours, len(rows)):
+        for i in range(rows.shape[1]):
+            columns[i * lanes + j] = rows[j, i]
+
+
 @compiled
 def _four_products(entries: Entries, rows: Floats, products: Floats) -> None:
     _products(entries, rows, products, four(0.0))
@@ -60,9 +141,7 @@ def _products(entries: Entries, rows: Floats, products: Floats, zero: Lanes) -> 
     n_rows, n = rows.shape
     lanes = width(zero)
     columns, sums = np.zeros(n * lanes), np.empty(lanes)
-    for i in range(n):
-        for j in range(n_rows):
-            columns[i * lanes + j] = rows[j, i]
+    _set_side_by_side(rows, columns, lanes)
     for i in range(n):
         total = zero
         for e in range(starts[i], starts[i + 1]):

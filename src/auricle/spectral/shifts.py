@@ -42,7 +42,7 @@ class Factorable:
     def reach(self) -> int:
         """Eigenvalues a run is to find each way from its shift."""
         n_vertices = int(self.symbolic.plan.order.size)
-        return round(float(_REACH * max(1.0, n_vertices / _REACH_VERTICES) ** 0.4))
+        return round(float(_REACH * max(1.0, n_vertices / _REACH_VERTICES) ** 0.3))
 
 
 @dataclass(frozen=True, eq=False)
