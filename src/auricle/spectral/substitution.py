@@ -12,6 +12,7 @@ from auricle.spectral.lanes import (
     eight,
     four,
     load,
+    prefetch,
     store,
     subtracted,
     width,
@@ -111,17 +112,26 @@ def _forward(
     columns, n_right, side = right
     first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
     known = first * n_right + side
-    p = plan.panel_start[s] + n_columns * n_columns
+    p = _under(plan, s)
     row, end = plan.row_start[s], plan.row_start[s + 1]
+    ahead = _under(plan, min(s + 1, len(plan.parent) - 1))
     while row + 8 <= end:
-        sums = _eight_dots(panels, (p, n_columns, 1), n_columns, (columns, known, n_right), zero)
+        places = (p, n_columns, 1, ahead)
+        sums = _eight_dots(panels, places, n_columns, (columns, known, n_right), zero)
         for i in range(8):
             _take(columns, plan.rows[row + i] * n_right + side, sums[i])
-        row, p = row + 8, p + 8 * n_columns
+        row, p, ahead = row + 8, p + 8 * n_columns, ahead + 8 * n_columns
     while row < end:
         rest = _dot(panels, p, 1, n_columns, (columns, known, n_right), zero)
         _take(columns, plan.rows[row] * n_right + side, rest)
         row, p = row + 1, p + n_columns
+
+
+@compiled
+def _under(plan: EliminationPlan, s: int) -> int:
+    """Where in the panels the rows under a supernode begin."""
+    n_columns = plan.first_column[s + 1] - plan.first_column[s]
+    return plan.panel_start[s] + n_columns * n_columns
 
 
 @compiled
@@ -154,9 +164,12 @@ def _backward(
     first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
     height = n_columns + plan.row_start[s + 1] - plan.row_start[s]
     target, k = first * n_right + side, 0
+    ahead = plan.panel_start[max(s - 1, 0)]
     while k + 8 <= n_columns:
         p = plan.panel_start[s] + k
-        sums = _eight_dots(panels, (p, 1, n_columns), height, (room, 0, width(zero)), zero)
+        places = (p, 1, n_columns, ahead)
+        sums = _eight_dots(panels, places, height, (room, 0, width(zero)), zero)
+        ahead += 8 * height
         for i in range(8):
             store(sums[i], columns, target + i * n_right)
         k, target = k + 8, target + 8 * n_right
@@ -169,19 +182,21 @@ def _backward(
 @compiled
 def _eight_dots(
     panels: Floats,
-    places: tuple[int, int, int],
+    places: tuple[int, int, int, int],
     count: int,
     vectors: tuple[Floats, int, int],
     zero: Lanes,
 ) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]:
     """What `_dot` gives for eight lines of a panel at once, whose sums fit into registers.
 
-    `places` are where the first line begins, how far apart lines are, and the step along them.
+    `places` are where the first line begins, how far apart lines are, the step along them, and
+    what will be wanted next.
     """
-    place, line, step = places
+    place, line, step, ahead = places
     rows, begin, apart = vectors
     a, b, c, d, e, f, g, h = zero, zero, zero, zero, zero, zero, zero, zero
     for _ in range(count):
+        prefetch(panels, ahead)
         x = load(zero, rows, begin)
         a = added_multiple(a, panels, place, x)
         b = added_multiple(b, panels, place + line, x)
@@ -191,7 +206,7 @@ def _eight_dots(
         f = added_multiple(f, panels, place + 5 * line, x)
         g = added_multiple(g, panels, place + 6 * line, x)
         h = added_multiple(h, panels, place + 7 * line, x)
-        place, begin = place + step, begin + apart
+        place, begin, ahead = place + step, begin + apart, ahead + 8
     return a, b, c, d, e, f, g, h
 
 
