@@ -19,7 +19,8 @@ from auricle.spectral.lanes import (
     total,
 )
 
-_STRIP, _LANES = 256, 8
+_STRIP, _LANES = 2048, 8
+"""Numbers of a block that are worked on at a time and stay in the cache; of a register."""
 _CANCELLED = 1e-3
 _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
 """Of what of a row of length one is not in the span of those before: too little, and enough to be
@@ -179,15 +180,15 @@ def _project(basis: Floats, block: Floats, coefficients: Floats) -> None:
     """
     tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
     n = basis.shape[1]
-    full = n - n % _LANES
+    full, length = n - n % _LANES, _strip_length(block)
     sums = np.zeros(tiled * tiled_block * _LANES)
     vectors = (basis.reshape(-1), block.reshape(-1), n)
-    for begin in range(0, full, _STRIP):
-        end = min(begin + _STRIP, full)
+    for begin in range(0, full, length):
+        end = min(begin + length, full)
         for m in range(0, tiled, 4):
             for q in range(0, tiled_block, 4):
                 places = (m * n + begin, q * n + begin, end - begin)
-                ahead = _ahead(n, (m, q), (tiled, tiled_block))
+                ahead = _ahead((m, q), (tiled, tiled_block), n, length)
                 place = (m * tiled_block + 4 * q) * _LANES
                 _project_tile(vectors, places, ahead, sums, place)
     _add_tiles(sums, coefficients[:tiled, :tiled_block])
@@ -200,7 +201,13 @@ def _project(basis: Floats, block: Floats, coefficients: Floats) -> None:
 
 
 @compiled
-def _ahead(n: int, tile: tuple[int, int], tiles: tuple[int, int]) -> int:
+def _strip_length(block: Floats) -> int:
+    """Whole registers of each row of a block that stay in the cache together."""
+    return max(_STRIP // max(len(block), 4) // _LANES, 1) * _LANES
+
+
+@compiled
+def _ahead(tile: tuple[int, int], tiles: tuple[int, int], n: int, length: int) -> int:
     """How far on in memory the vectors lie that come after this tile's; 0 if these remain.
 
     The processor is told while it still works on those at hand, and need not wait for them.
@@ -208,7 +215,7 @@ def _ahead(n: int, tile: tuple[int, int], tiles: tuple[int, int]) -> int:
     (m, q), (n_basis, n_block) = tile, tiles
     if q + 4 < n_block:
         return 0
-    return 4 * n if m + 4 < n_basis else _STRIP - m * n
+    return 4 * n if m + 4 < n_basis else length - m * n
 
 
 @compiled
@@ -279,15 +286,15 @@ def _add_tiles(sums: Floats, coefficients: Floats) -> None:
 def _subtract(basis: Floats, coefficients: Floats, block: Floats) -> None:
     """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
     n = basis.shape[1]
-    full = n - n % _LANES
+    full, length = n - n % _LANES, _strip_length(block)
     tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
     vectors = (basis.reshape(-1), block.reshape(-1), n)
-    for begin in range(0, full, _STRIP):
-        end = min(begin + _STRIP, full)
+    for begin in range(0, full, length):
+        end = min(begin + length, full)
         for m in range(0, tiled, 4):
             for q in range(0, tiled_block, 4):
                 places = (m * n + begin, q * n + begin, end - begin)
-                ahead = _ahead(n, (m, q), (tiled, tiled_block))
+                ahead = _ahead((m, q), (tiled, tiled_block), n, length)
                 _subtract_tile(vectors, places, ahead, coefficients, (m, q))
         for m in range(tiled if tiled_block == len(block) else 0, len(basis)):
             first = tiled_block if m < tiled else 0

@@ -131,7 +131,7 @@ def _forward(
 def _under(plan: EliminationPlan, s: int) -> int:
     """Where in the panels the rows under a supernode begin."""
     n_columns = plan.first_column[s + 1] - plan.first_column[s]
-    return plan.panel_start[s] + n_columns * n_columns
+    return int(plan.panel_start[s] + n_columns * n_columns)
 
 
 @compiled
