@@ -72,7 +72,7 @@ def test_solves_are_right_without_refinement_at_nearly_every_shift(rng, monkeypa
     assert errors().max() > 1e-10
 
 
-@pytest.mark.parametrize("growth", [1.0, 3.0])
+@pytest.mark.parametrize("growth", [1e-3, 1.0, 3.0])
 def test_counts_and_solves_are_right_however_many_are_bolstered(rng, growth, monkeypatch) -> None:
     monkeypatch.setattr(factorization, "_GROWTHS", (growth,))
     operator = laplacian(cube(side=40.0, n=8))

@@ -197,13 +197,13 @@ def _factor_panel(
     under = panel[width * width :].reshape((-1, width))
     multipliers = factor[width * width :].reshape((-1, width))
     bolster = _BOLSTER * _largest_entry(under)[0]
-    for _ in range(_MOST_BOLSTERS):
+    for attempt in range(_MOST_BOLSTERS + 1):
         n_negative = _invert(panel, (pivots[0], pivots[1], bolster), room, factor)
         if n_negative < 0:
             break
         _multiply_rows(under, inverse, multipliers)
         largest, k = _largest_entry(multipliers)
-        if not largest > growth:
+        if attempt == _MOST_BOLSTERS or not largest > growth:
             break
         # A vector that the square nearly takes to zero is largest there.
         added = bolster if inverse[k, k] > 0 else -bolster
