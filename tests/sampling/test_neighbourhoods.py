@@ -65,13 +65,16 @@ def test_no_more_than_half_and_no_more_than_the_most_go_together(fine_chamber: C
     assert all(len(set(each.tolist())) == len(each) for each in same)
 
 
-def test_only_what_can_be_sampled_says_how_far_samples_are(fine_chamber: Chamber) -> None:
-    sites = clusters(fine_chamber, 8)
-    apart = np.linalg.norm(
-        fine_chamber.mesh.vertices - sites.positions(fine_chamber.mesh)[0], axis=1
-    )
-    small = Chamber(fine_chamber.mesh, fine_chamber.basis, np.asarray(apart < 4))
-    assert max(len(each) for each in neighbourhoods(small, sites)) < 8
+def test_how_far_samples_are_is_a_mean_over_the_area_that_can_be_sampled(
+    fine_chamber: Chamber,
+) -> None:
+    """Of the sphere's near half and of all of it: in the half two samples are not so far."""
+    vertices = fine_chamber.mesh.vertices
+    away = np.linalg.norm(vertices - vertices[0], axis=1)
+    near = Chamber(fine_chamber.mesh, fine_chamber.basis, np.asarray(away < 20))
+    pairs = Sites.at_vertices([0, int(np.abs(away - 13).argmin()), *np.argsort(-away)[:2]])
+    assert [len(each) for each in neighbourhoods(fine_chamber, pairs)] == [2, 2, 2, 2]
+    assert [len(each) for each in neighbourhoods(near, pairs)[:2]] == [1, 1]
 
 
 @pytest.mark.parametrize("power", [0.6, 1.8])
