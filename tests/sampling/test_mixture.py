@@ -9,9 +9,11 @@ from auricle.arrays import Floats
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.cross_validation import from_some
 from auricle.sampling.gaussian_process import GaussianProcess
+from auricle.sampling.mixture import LEAST_SHARE, POWERS, PROCESS, shares
+from auricle.sampling.neighbourhoods import left_out_together, neighbourhoods
 from auricle.sampling.reconstruction import Reconstruction
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import shares
+from auricle.sampling.splines import Spline
 
 
 def scattered(chamber: Chamber, count: int, seed: int = 4) -> Sites:
@@ -33,8 +35,8 @@ def fitted(chamber: Chamber, truth: Floats, count: int = 60) -> Reconstruction:
 
 def test_the_map_is_the_mean_of_its_members_by_their_shares(fine_chamber: Chamber) -> None:
     found = fitted(fine_chamber, activation(fine_chamber))
-    assert [(term.power, term.share) for _, term in found.splines] == list(shares(60))
-    expected = (1 - sum(share for _, share in shares(60))) * found.process_mean
+    assert found.hyperparameters.splines == tuple(term for _, term in found.splines)
+    expected = (1 - sum(term.share for _, term in found.splines)) * found.process_mean
     centre = found.values.mean()
     for spline, term in found.splines:
         alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
@@ -43,6 +45,83 @@ def test_the_map_is_the_mean_of_its_members_by_their_shares(fine_chamber: Chambe
     free &= np.abs(found.mean - found.values.max()) > 1e-9
     assert free.mean() > 0.95
     np.testing.assert_allclose(found.mean[free], expected[free], atol=1e-9)
+
+
+def test_shares_are_those_of_what_each_misses_without_the_neighbours(
+    fine_chamber: Chamber,
+) -> None:
+    """Of few samples of a step, where rougher splines share too."""
+    step = np.where(fine_chamber.mesh.vertices[:, 0] > 0, 1.0, 0.0)
+    found = fitted(fine_chamber, step, 30)
+    assert found.sites is not None
+    together = neighbourhoods(fine_chamber, found.sites)
+    values, alike = found.values[:, None], np.ones(30)
+    missed = [left_out_together(found.posterior.precision, values, together)]
+    for power in POWERS:
+        spline = Spline(fine_chamber, found.sites, power, alike)
+        smoothing = spline.smoothing(values, found.hyperparameters.noise)
+        missed.append(left_out_together(spline.precision(smoothing), values, together))
+    expected = dict(zip(POWERS, shares(np.array(missed))[1:], strict=True))
+    mine = {term.power: term.share for _, term in found.splines}
+    assert len(mine) > 1
+    assert mine == pytest.approx({key: each for key, each in expected.items() if each > 0})
+
+
+def test_where_nothing_tells_them_apart_shares_are_those_beforehand() -> None:
+    alike = np.random.default_rng(1).standard_normal((40, 2)) * np.ones((5, 1, 1))
+    found = shares(alike)
+    assert found[0] == pytest.approx(PROCESS, rel=0.01)
+    kept = found[1:] > 0
+    assert kept.tolist() == [(1 - PROCESS) * each >= LEAST_SHARE for each in POWERS.values()]
+    between = np.array(list(POWERS.values()))[kept]
+    np.testing.assert_allclose(found[1:][kept] / found[-1], between / between[-1])
+    np.testing.assert_array_equal(shares(np.zeros((5, 40, 2)))[1:] > 0, kept)
+
+
+def test_a_spline_that_misses_less_gains_the_surer_the_more_samples_say_so() -> None:
+    gained = []
+    for count in (20, 60, 180, 5_000):
+        missed = np.random.default_rng(2).standard_normal((5, count, 1))
+        missed[1:] = missed[1] * np.array([1.0, 0.93, 1.0, 1.0])[:, None, None]
+        found = shares(missed)
+        assert found.sum() == pytest.approx(1.0)
+        gained.append(found[2] / found[1:].sum())
+    assert np.diff(gained[:3]).min() > 0.02
+    assert 0.8 < gained[2] < gained[3] < 0.99
+
+
+def test_the_process_gains_where_the_splines_miss_more_and_loses_where_it_does() -> None:
+    rng = np.random.default_rng(3)
+    common, own = rng.standard_normal((200, 1)), rng.standard_normal((2, 200, 1))
+    process, splines = common + 0.5 * own[0], common + 0.5 * own[1]
+
+    def share(process: Floats, splines: Floats) -> float:
+        return float(shares(np.array([process, *[splines] * 4]))[0])
+
+    even = share(process, splines)
+    assert even == pytest.approx(PROCESS, abs=0.05)
+    assert share(process, 2 * splines) > even + 0.2
+    assert share(2 * process, splines) < even - 0.2
+    assert 0 < share(9 * process, common) < share(2 * process, splines)
+
+
+def test_clusters_are_asked_for_the_map_between_them(
+    fine_chamber: Chamber, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a scar's rim a smooth spline goes on falling beyond the cluster that saw it."""
+    vertices = fine_chamber.mesh.vertices
+    places = vertices[[5, 900, 1500, 2300, 2550]]
+    order = np.linalg.norm(vertices[:, None] - places, axis=2).argsort(axis=0)
+    sites = Sites.at_vertices(np.unique(order[:12]))
+    ramp = np.clip(np.linalg.norm(vertices - places[0], axis=1) / 12, 0, 1)
+    values = sites.of(ramp)
+    together = GaussianProcess(fine_chamber, sites).fit(values)
+    lone = tuple(np.array([index]) for index in range(len(sites)))
+    name = "auricle.sampling.gaussian_process.neighbourhoods"
+    monkeypatch.setattr(name, lambda *_: lone)
+    alone = GaussianProcess(fine_chamber, sites).fit(values)
+    errors = [fine_chamber.nrmse(each.mean, ramp) for each in (together, alone)]
+    assert errors[0] < errors[1]
 
 
 def test_members_that_differ_make_the_map_less_sure(fine_chamber: Chamber) -> None:
@@ -99,10 +178,11 @@ def test_a_noisy_step_has_flat_plateaus_and_a_smaller_error_than_its_members_mea
     assert found.values.min() < -0.2
     assert found.mean.min() == pytest.approx(0.0, abs=0.05)
     assert found.mean.max() == pytest.approx(1.0, abs=0.05)
-    spline, term = found.splines[0]
     centre = found.values.mean()
-    alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
-    plain = term.share * alone + (1 - term.share) * found.process_mean
+    plain = (1 - sum(term.share for _, term in found.splines)) * found.process_mean
+    for spline, term in found.splines:
+        alone = spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
+        plain = plain + term.share * alone
     assert fine_chamber.nrmse(found.mean, step) < 0.96 * fine_chamber.nrmse(plain, step)
 
 
@@ -114,11 +194,12 @@ def test_the_mean_is_nearer_the_truth_than_its_members_are(atrium_chamber: Chamb
     errors = []
     for truth in truths:
         found = fitted(atrium_chamber, truth.astype(float), 100)
-        centre = found.values.mean()
-        members = [found.process_mean] + [
-            spline.mean(found.values[:, None] - centre, term.smoothing)[:, 0] + centre
-            for spline, term in found.splines
-        ]
+        centre, sites = found.values.mean(), scattered(atrium_chamber, 100)
+        values, members = found.values[:, None] - centre, [found.process_mean]
+        for power in POWERS:
+            spline = Spline(atrium_chamber, sites, power, np.ones(100))
+            smoothing = spline.smoothing(values, found.hyperparameters.noise)
+            members.append(spline.mean(values, smoothing)[:, 0] + centre)
         errors.append([atrium_chamber.nrmse(each, truth) for each in (found.mean, *members)])
     mixed, *alone = np.sqrt(np.square(errors).mean(axis=0))
     assert mixed < min(alone)

@@ -7,9 +7,10 @@ from scipy.spatial.distance import cdist
 from auricle.arrays import Floats
 from auricle.sampling.baselines import BASELINES
 from auricle.sampling.chamber import Chamber, chamber
+from auricle.sampling.gaussian_process import GaussianProcess
 from auricle.sampling.noise_shape import relative_noise
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import WALL_SHARE, Spline, shares, wall_places
+from auricle.sampling.splines import WALL_SHARE, Spline, wall_places
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere
 
@@ -120,7 +121,7 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
         Spline(flat, sites, power, np.ones(250)).mean(peak[chosen, None], 1e-6)[:, 0]
         for power in POWERS
     ]
-    mixed = sum(share * alone[POWERS.index(power)] for power, share in shares(len(chosen)))
+    mixed = GaussianProcess(flat, sites).fit(peak[chosen]).mean
     leaked = [
         np.abs(rebuilt[middle & ~upper]).max()
         for rebuilt in (BASELINES["linear_radial"](flat, sites, peak[chosen]), *alone, mixed)
@@ -131,14 +132,18 @@ def test_walls_back_to_back_are_apart_and_a_peak_does_not_leak_through() -> None
     assert leaked[3] < 0.22 * leaked[0]
 
 
-def test_the_rough_spline_shares_where_samples_are_few_and_both_have_half_together() -> None:
-    each = [dict(shares(count)) for count in (5, 25, 30, 40, 49, 50, 800)]
-    rough = [found.get(POWERS[0], 0.0) for found in each]
-    assert rough[:2] == [0.25, 0.25]
-    assert (np.diff(rough[1:6]) < 0).all()
-    assert rough[5:] == [0.0, 0.0]
-    assert [len(found) for found in each] == [2, 2, 2, 2, 2, 1, 1]
-    np.testing.assert_allclose([sum(found.values()) for found in each], 0.5)
+@pytest.mark.parametrize("power", POWERS)
+def test_the_precision_is_that_of_the_values_beside_their_mean(
+    sphere_chamber: Chamber, power: float
+) -> None:
+    """By the inverse of the whole system of kriging, whose upper left block it is."""
+    sites, shape = scattered(sphere_chamber, 30), relative_noise(np.linspace(1.0, 2.0, 30), 30)
+    here = sites.of(wall_places(sphere_chamber))
+    covariance = -(cdist(here, here) ** power) + 0.05 * np.diag(shape**2)
+    free = np.ones((30, 1))
+    system = np.block([[covariance, free], [free.T, np.zeros((1, 1))]])
+    found = Spline(sphere_chamber, sites, power, shape).precision(0.05)
+    np.testing.assert_allclose(found, np.linalg.inv(system)[:30, :30], rtol=1e-7, atol=1e-8)
 
 
 @pytest.mark.parametrize("power", POWERS)

@@ -251,7 +251,7 @@ def _made_of(result: MappingResult) -> str:
     """What the map is a mean of, if of more than the Gaussian process."""
     if result.hyperparameters is None or not result.hyperparameters.splines:
         return ""
-    splines = result.hyperparameters.splines
+    splines = sorted(result.hyperparameters.splines, key=lambda term: term.power)
     shares = " and ".join(percent(term.share) for term in splines)
     bounded = (
         "; it does not go beyond a least or largest value that many samples share, and is "
@@ -260,8 +260,9 @@ def _made_of(result: MappingResult) -> str:
     return (
         f"The map is the mean of a Gaussian process over the harmonics "
         f"({percent(1 - sum(term.share for term in splines))}) and of splines through space "
-        f"({shares}), all smoothed for the same noise; where they differ it "
-        f"is less sure{bounded if result.config.cycle_length_ms is None else ''}"
+        f"({shares}), rougher ones first, all smoothed for the same noise and weighed by what they "
+        f"miss of samples left out with their neighbours; where they differ it is less sure"
+        f"{bounded if result.config.cycle_length_ms is None else ''}"
     )
 
 

@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from auricle.arrays import Floats, Modes, PerMode, read_only
+from auricle.arrays import Floats, Integers, Modes, PerMode, read_only
 from auricle.errors import InputError
 from auricle.sampling.chamber import Chamber
 from auricle.sampling.marginal_likelihood import Belief, Fit, SampleSpectrum
 from auricle.sampling.matern import matern_variances, split_prior
+from auricle.sampling.mixture import mixed
+from auricle.sampling.neighbourhoods import neighbourhoods
 from auricle.sampling.noise_shape import relative_noise, weighted_deviation
 from auricle.sampling.posterior import Posterior
 from auricle.sampling.prior_average import BEFOREHAND, averaged
@@ -20,7 +22,7 @@ from auricle.sampling.reconstruction import Hyperparameters, Reconstruction
 from auricle.sampling.remainder import Remainder, Term
 from auricle.sampling.samples import PlacedSamples
 from auricle.sampling.sites import Sites
-from auricle.sampling.splines import Spline, SplineTerm, shares
+from auricle.sampling.splines import Spline
 
 FEWEST_SAMPLES = 5
 """With fewer, the samples' own spread says nothing of the map's."""
@@ -145,7 +147,7 @@ class GaussianProcess:
         a few are missed by much and most by little (`SampleSpectrum.typical_share`), and nothing
         is stated of the noise, the map has edges: then the noise is fitted about what typical
         samples show of it, and the likelihoods count for less. Splines of the same noise share in
-        the map (`splines.shares`): their errors and the process' are not the same, so that the
+        the map (`mixture.shares`): their errors and the process' are not the same, so that the
         mean of all is nearer the truth than each; by how much they differ counts as uncertainty.
 
         Priors, all weak: log-normal on length (`LENGTH_SHARE`, `LENGTH_SPREAD`) and noise
@@ -190,19 +192,14 @@ class GaussianProcess:
                 again = fitting(NoisePrior(typical, EDGED_SPREAD))
                 found, fit, visible = self._average(again, weight=math.sqrt(share))
         unknown = unknown or not float(np.ptp(columns, axis=0).max()) > 0
+        rebuilt = self.given(values, found)
         if self.smoothness is None and not unknown and len(columns) <= MOST_CORRELATED:
-            found = replace(found, splines=self._spline_terms(columns, found.noise))
-        return replace(
-            self.given(values, found),
-            log_marginal_likelihood=fit.log_likelihood,
-            knows_nothing=unknown,
-        )
+            rebuilt = mixed(rebuilt, self._spline, self._neighbourhoods)
+        return replace(rebuilt, log_marginal_likelihood=fit.log_likelihood, knows_nothing=unknown)
 
-    def _spline_terms(self, columns: Floats, noise: float) -> tuple[SplineTerm, ...]:
-        return tuple(
-            SplineTerm(power, share, self._spline(power).smoothing(columns, noise))
-            for power, share in shares(len(columns))
-        )
+    @cached_property
+    def _neighbourhoods(self) -> tuple[Integers, ...]:
+        return neighbourhoods(self.chamber, self.sites)
 
     def _spline(self, power: float) -> Spline:
         if power not in self._splines:

@@ -13,12 +13,6 @@ from auricle.sampling.chamber import Chamber
 from auricle.sampling.noise_shape import weighted_deviation
 from auricle.sampling.sites import Sites
 
-ROUGH, SMOOTH = 1.0, 1.8
-"""Power of the distance of either spline of a mixture."""
-SPLINES = 0.5
-"""Share of both together in a map; the rest is the process'."""
-FEW, ENOUGH = 25, 50
-"""Samples up to which the rough one has half of that, and from which on it has nothing."""
 WALL_SHARE = 1 / 18
 """How far apart, relative to the diameter √(A/π), walls of normals a radian apart count."""
 NORMAL_MODES = 60
@@ -45,24 +39,6 @@ class SplineTerm:
     power: float
     share: float
     smoothing: float
-
-
-def shares(n_samples: int) -> tuple[tuple[float, float], ...]:
-    """Power of the distance, and share in the map, of every spline.
-
-    Few samples tell little of how smooth a map is: then the rougher one shares in it.
-
-    Examples
-    --------
-    >>> shares(25)
-    ((1.0, 0.25), (1.8, 0.25))
-    >>> shares(200)
-    ((1.8, 0.5),)
-    """
-    part = min(max((ENOUGH - n_samples) / (ENOUGH - FEW), 0.0), 1.0)
-    rough = part * SPLINES / 2
-    both = ((ROUGH, rough), (SMOOTH, SPLINES - rough))
-    return both if rough > 0 else both[1:]
 
 
 def wall_places(chamber: Chamber) -> Floats:
@@ -173,6 +149,15 @@ class Spline:
         known = own > np.finfo(float).eps / smoothing
         residuals = weights / np.where(known, own, np.inf)[:, None]
         return np.asarray(residuals * self.noise_shape[:, None])
+
+    def precision(self, smoothing: float) -> Floats:
+        """Of the values beside the constant, in units of the noise variance, shape (N, N).
+
+        Divided by the smoothing it is inverse to the covariance whose noise is one.
+        """
+        eigenvalues, vectors = self._decomposed
+        scaled = vectors / self.noise_shape[:, None]
+        return np.asarray((scaled / (eigenvalues + smoothing)) @ scaled.T)
 
     def _weights(self, whitened: Floats, smoothing: float) -> tuple[Floats, Floats]:
         """Precision times values, and the precision's diagonal."""
