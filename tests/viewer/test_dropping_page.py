@@ -74,7 +74,7 @@ def test_a_folder_is_dropped_and_one_of_its_maps_chosen(
     page.wait_for_selector(".view-plan[data-ready=true]")
     browsing.until("document.querySelector('.map-choice select').value === '1'")
     assert server.workspace.require(OpenCase, "none").recordings[0].samples.values.size <= 20
-    assert "20 points" in page.get_by_label("Recorded").inner_text()
+    page.get_by_label("Recorded").filter(has_text="20 points").wait_for()
     assert browsing.violations() == []
     for canary in ("CANARY", "ANNA"):
         assert canary not in page.content() + page.title()
