@@ -25,12 +25,12 @@ def graded() -> sparse.csc_array:
 
 def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
     matrix = graded()
-    _, vectors = np.linalg.eigh(matrix.toarray())
+    truth, vectors = np.linalg.eigh(matrix.toarray())
     rows = vectors[:, :20].T + 1e-15 * rng.standard_normal((20, 300))
-    found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
+    found, residuals = rayleigh_quotients(matrix, rows, truth[:20], WORKERS)
     assert (residuals / np.maximum(found, found[1])).max() > 2e-9
-    rows = corrected(matrix, rows, least=float(found[1]), workers=WORKERS).rows
-    found, residuals = rayleigh_quotients(matrix, rows, WORKERS)
+    rows = corrected(matrix, rows, found, least=float(found[1]), workers=WORKERS).rows
+    found, residuals = rayleigh_quotients(matrix, rows, truth[:20], WORKERS)
     assert (residuals / np.maximum(found, found[1])).max() < 1e-9
     assert np.abs(overlap(rows, WORKERS)).max() < 1e-11
 
@@ -38,7 +38,8 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
 def test_what_is_good_already_is_returned_as_it_is() -> None:
     matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 50.0)))
     given = np.eye(5, 49)
-    assert corrected(matrix, given, least=1.0, workers=WORKERS).rows is given
+    found = corrected(matrix, given, np.arange(1.0, 6.0), least=1.0, workers=WORKERS)
+    assert found.rows is given
 
 
 def with_specks(mesh: Mesh, share: float) -> Mesh:

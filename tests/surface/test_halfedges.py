@@ -12,6 +12,7 @@ from auricle.surface.halfedges import (
     NONE,
     ORIGIN,
     boundary_corners,
+    flip,
     half_edges,
     merge,
     neighbours,
@@ -144,3 +145,33 @@ def test_edges_are_numbered_as_they_come_up():
     links = half_edges(np.array([[0, 1, 2], [2, 1, 3]]), 4)
     ends = [[0, 1], [1, 2], [2, 0], [1, 3], [3, 2]]
     assert links.half_edges[:, ORIGIN].reshape(-1, 2).tolist() == ends
+
+
+def test_a_flipped_edge_joins_the_other_two_corners() -> None:
+    """Of two triangles over a square, the other diagonal; of the rest of the surface, nothing."""
+    faces = cube(side=2.0, n=3).faces
+    links = half_edges(faces, int(faces.max()) + 1)
+    table = links.half_edges
+    a, b = table[0, ORIGIN], table[1, ORIGIN]
+    c, d = table[table[0, BEFORE], ORIGIN], table[table[1, BEFORE], ORIGIN]
+    flip(table, 0)
+    kept = [face for face in faces.tolist() if not {a, b} <= set(face)]
+    assert len(kept) == len(faces) - 2
+    expected = half_edges(np.array([*kept, [c, a, d], [d, b, c]]), links.starts.size)
+    assert np.array_equal(faces_of(links), faces_of(expected))
+    assert [table[0, ORIGIN], table[1, ORIGIN]] == [d, c]
+
+
+@pytest.mark.parametrize("mesh", SHAPES)
+def test_four_flips_of_an_edge_leave_everything_as_it_was(mesh) -> None:
+    links = half_edges(mesh.faces, mesh.n_vertices)
+    table, before = links.half_edges, links.half_edges.copy()
+    inside = np.flatnonzero(
+        (table[:, AFTER] != NONE) & (table[np.arange(len(table)) ^ 1, AFTER] != NONE)
+    )
+    for half_edge in inside[:: max(len(inside) // 20, 1)].tolist():
+        flip(table, half_edge)
+        assert not np.array_equal(table, before)
+        for _ in range(3):
+            flip(table, half_edge)
+        assert np.array_equal(table, before)

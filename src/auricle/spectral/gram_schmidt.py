@@ -59,7 +59,7 @@ def add_multiples(block: Floats, factors: Floats, vectors: Floats) -> None:
 
     `factors` has shape (b, m), `block` (b, n), contiguous.
     """
-    _subtract(vectors, -factors.T, block)
+    _subtract(vectors, np.ascontiguousarray(-factors.T), block)
 
 
 def orthonormalize(block: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The intrinsic Delaunay triangulation of a closed surface: its lengths and corners.
+"""The intrinsic Delaunay triangulation of a closed surface.
 
 Edges are flipped along the surface until no two triangles beside one have opposite angles of more
 than π together. The surface and its vertices stay; cotangent weights are then never negative.
@@ -10,40 +10,44 @@ import numpy as np
 
 from auricle.arrays import Faces, Floats, Integers, Points
 from auricle.compiled import compiled
+from auricle.errors import SurfaceError
+from auricle.surface.halfedges import AFTER, BEFORE, NONE, ORIGIN, Indices, flip, half_edges
 
 _MOLLIFIED = 1e-5
-"""Of the mean edge: what two edges of a triangle are longer than the third, together, at least."""
-_FLAT = 1e-12
-"""Cotangents that add up to more than minus this are not worth a flip."""
+"""Of the mean edge: what two sides of a triangle are longer than the third, together, at least."""
+_FLAT = 1e-9
+"""Two cotangents of opposite sign that differ by less than this share of them are not worth a
+flip, which rounding might ask to be taken back."""
+_MOST_FLIPS = 100
+"""For each half-edge: more are no end in sight."""
 
 
 @dataclass(frozen=True, eq=False)
 class IntrinsicTriangles:
-    """Triangles that lie in a surface, not in space.
-
-    Half-edge 3·f + c leads from corner c of triangle f to the next.
+    """Triangles that lie in a surface, not in space, told by their half-edges.
 
     Attributes
     ----------
-    origins
-        Vertex that each half-edge begins at, shape (f, 3).
-    lengths
-        Of each half-edge, shape (f, 3), mm.
+    origins, ends
+        Vertices that each half-edge leads from and to, shape (h,).
+    doubled_dots
+        Twice the product of the other two sides of its triangle and the cosine between them,
+        shape (h,), mm²: the cotangent of that angle times four areas.
+    areas
+        Of its triangle, shape (h,), mm².
     """
 
     origins: Integers
-    lengths: Floats
-
-    @property
-    def areas(self) -> Floats:
-        """Of each triangle, shape (f,), mm²."""
-        return np.asarray(_areas(self.lengths))
+    ends: Integers
+    doubled_dots: Floats
+    areas: Floats
 
 
 def intrinsic_delaunay(vertices: Points, faces: Faces) -> IntrinsicTriangles | None:
-    """The intrinsic Delaunay triangulation of a closed, oriented surface; None of any other.
+    """The intrinsic Delaunay triangulation of a closed, oriented surface in one piece.
 
-    Triangles next to a line are mollified first: every edge is made longer by what it takes.
+    None of any other surface, and where rounding lets flips not come to an end. Triangles next to
+    a line are mollified first: every edge is made longer by what it takes.
 
     References
     ----------
@@ -59,132 +63,111 @@ def intrinsic_delaunay(vertices: Points, faces: Faces) -> IntrinsicTriangles | N
     >>> sphere = icosphere(radius=10.0, subdivisions=2)
     >>> long = replace(sphere, vertices=sphere.vertices * np.array([1, 1, 5]))
     >>> triangles = intrinsic_delaunay(long.vertices, long.faces)
-    >>> bool(abs(triangles.areas.sum() / long.area - 1) < 1e-12)
+    >>> bool(abs(triangles.areas.sum() / 3 / long.area - 1) < 1e-12)
     True
     """
-    twins = _twins(faces)
-    if twins is None:
+    try:
+        table = half_edges(faces, len(vertices)).half_edges
+    except SurfaceError:
         return None
-    ends = np.roll(faces, -1, axis=1)
-    lengths = np.linalg.norm(vertices[faces] - vertices[ends], axis=2)
-    spare = np.roll(lengths, -1, axis=1) + np.roll(lengths, 1, axis=1) - lengths
-    lengths = lengths + max(_MOLLIFIED * lengths.mean() - spare.min(), 0.0)
-    origins = faces.astype(np.int64)
-    _flip_all(origins.reshape(-1), lengths.reshape(-1), twins)
-    return IntrinsicTriangles(origins, lengths)
-
-
-def _twins(faces: Faces) -> Integers | None:
-    """Of each half-edge the one that leads back; None unless there is exactly one of each."""
-    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel()
-    n = int(faces.max()) + 1
-    there, back = start * n + end, end * n + start
-    order = np.argsort(there, kind="stable")
-    places = np.searchsorted(there[order], back)
-    found = order[np.minimum(places, len(order) - 1)]
-    if np.any(np.diff(there[order]) == 0) or np.any(there[found] != back):
+    if (table[:, AFTER] == NONE).any():
         return None
-    return np.asarray(found, np.int64)
+    ends = vertices[table[:, ORIGIN]]
+    lengths = np.linalg.norm(ends[::2] - ends[1::2], axis=1)
+    lengths += max(_MOLLIFIED * lengths.mean() - _least_spare(table, lengths), 0.0)
+    if not _flip_all(table, lengths):
+        return None
+    doubled_dots, areas = _measured(table, lengths)
+    origins = table[:, ORIGIN].astype(np.int64)
+    return IntrinsicTriangles(origins, origins[np.arange(len(table)) ^ 1], doubled_dots, areas)
 
 
 @compiled
-def _areas(lengths: Floats) -> Floats:
-    areas = np.empty(len(lengths))
-    for f in range(len(lengths)):
-        areas[f] = _area(lengths[f, 0], lengths[f, 1], lengths[f, 2])
-    return areas
+def _sides(table: Indices, lengths: Floats, half_edge: int) -> tuple[float, float, float]:
+    """Lengths of a half-edge and of the two that follow it around its triangle."""
+    return (
+        lengths[half_edge // 2],
+        lengths[table[half_edge, AFTER] // 2],
+        lengths[table[half_edge, BEFORE] // 2],
+    )
+
+
+@compiled
+def _least_spare(table: Indices, lengths: Floats) -> float:
+    """By how much two sides of a triangle are longer than the third, at least."""
+    least = np.inf
+    for half_edge in range(len(table)):
+        a, b, c = _sides(table, lengths, half_edge)
+        least = min(least, b + c - a)
+    return least
 
 
 @compiled
 def _area(a: float, b: float, c: float) -> float:
     """Heron's formula as Kahan writes it, right to rounding for needles too."""
     longest, shortest = max(a, b, c), min(a, b, c)
-    middle = a + b + c - longest - shortest
-    if longest == a:
-        middle = max(b, c)
-    elif longest == b:
-        middle = max(a, c)
-    else:
-        middle = max(a, b)
+    middle = max(min(a, b), min(max(a, b), c))
     inside = (longest + (middle + shortest)) * (shortest - (longest - middle))
     inside *= (shortest + (longest - middle)) * (longest + (middle - shortest))
     return float(np.sqrt(max(inside, 0.0)) / 4)
 
 
 @compiled
-def _flip_all(origins: Integers, lengths: Floats, twins: Integers) -> None:
-    """Flip edges, in place, until all are Delaunay."""
-    waiting = np.arange(len(twins))
-    queued = np.ones(len(twins), np.bool_)
-    count = len(waiting)
+def _opposite(table: Indices, lengths: Floats, half_edge: int) -> tuple[float, float]:
+    """Of the angle opposite a half-edge: the doubled dot product of its sides; and the area."""
+    a, b, c = _sides(table, lengths, half_edge)
+    return b * b + c * c - a * a, _area(a, b, c)
+
+
+@compiled
+def _measured(table: Indices, lengths: Floats) -> tuple[Floats, Floats]:
+    doubled_dots, areas = np.empty(len(table)), np.empty(len(table))
+    for half_edge in range(len(table)):
+        doubled_dots[half_edge], areas[half_edge] = _opposite(table, lengths, half_edge)
+    return doubled_dots, areas
+
+
+@compiled
+def _is_delaunay(table: Indices, lengths: Floats, half_edge: int) -> bool:
+    """Whether the cotangents opposite an edge add up to no less than 0."""
+    one, area = _opposite(table, lengths, half_edge)
+    other, other_area = _opposite(table, lengths, half_edge ^ 1)
+    one, other = one * other_area, other * area
+    return bool(one + other >= -_FLAT * (abs(one) + abs(other)))
+
+
+@compiled
+def _flip_all(table: Indices, lengths: Floats) -> bool:
+    """Flip edges, in place, until all are Delaunay; whether that came to an end."""
+    waiting, queued = np.arange(len(lengths)), np.ones(len(lengths), np.bool_)
+    count, n_flips = len(lengths), 0
     while count > 0:
         count -= 1
-        h = waiting[count]
-        queued[h] = False
-        if h // 3 == twins[h] // 3:
+        edge = waiting[count]
+        queued[edge] = False
+        if _is_delaunay(table, lengths, 2 * edge):
             continue
-        if _cotangent(lengths, h) + _cotangent(lengths, twins[h]) >= -_FLAT:
-            continue
-        t = twins[h]
-        _flip(origins, lengths, twins, h)
-        for corner in range(3):
-            for face in (h // 3, t // 3):
-                edge = 3 * face + corner
-                if not (queued[edge] or queued[twins[edge]]):
-                    waiting[count] = edge
-                    queued[edge] = True
+        lengths[edge] = _other_diagonal(table, lengths, 2 * edge)
+        flip(table, 2 * edge)
+        n_flips += 1
+        if n_flips > _MOST_FLIPS * len(table):
+            return False
+        for half_edge in (2 * edge, 2 * edge + 1):
+            for side in (table[half_edge, AFTER] // 2, table[half_edge, BEFORE] // 2):
+                if not queued[side]:
+                    waiting[count] = side
+                    queued[side] = True
                     count += 1
+    return True
 
 
 @compiled
-def _next(h: int) -> int:
-    return h + 1 if h % 3 < 2 else h - 2
-
-
-@compiled
-def _cotangent(lengths: Floats, h: int) -> float:
-    """Of the angle opposite a half-edge."""
-    a, b, c = lengths[h], lengths[_next(h)], lengths[_next(_next(h))]
-    return float((b * b + c * c - a * a) / (4 * _area(a, b, c)))
-
-
-@compiled
-def _flip(origins: Integers, lengths: Floats, twins: Integers, h: int) -> None:
-    """Put the other diagonal of the two triangles beside an edge in its place.
-
-    Of a→b→c and b→a→d they become c→a→d, whose last edge is new, and d→b→c.
-    """
-    t = twins[h]
-    hn, tn = _next(h), _next(t)
-    hp, tp = _next(hn), _next(tn)
-    length = _other_diagonal(lengths[h], (lengths[hn], lengths[hp]), (lengths[tn], lengths[tp]))
-    old = (hp, tn, tp, hn)
-    corner = (origins[hp], origins[tn], origins[tp], origins[hn])
-    sides = (lengths[hp], lengths[tn], lengths[tp], lengths[hn])
-    beyond = (twins[hp], twins[tn], twins[tp], twins[hn])
-    first, second = 3 * (h // 3), 3 * (t // 3)
-    new = (first, first + 1, second, second + 1)
-    for i in range(4):
-        origins[new[i]], lengths[new[i]] = corner[i], sides[i]
-    for i in range(4):
-        twin = beyond[i]
-        for j in range(4):
-            if beyond[i] == old[j]:
-                twin = new[j]
-        twins[new[i]], twins[twin] = twin, new[i]
-    origins[first + 2], origins[second + 2] = corner[2], corner[0]
-    lengths[first + 2] = lengths[second + 2] = length
-    twins[first + 2], twins[second + 2] = second + 2, first + 2
-
-
-@compiled
-def _other_diagonal(edge: float, one: tuple[float, float], other: tuple[float, float]) -> float:
-    """Between the tips of two triangles laid flat beside an edge a→b.
-
-    `one` has the sides from b and to a, `other` those from a and to b.
-    """
-    x = (edge * edge + one[1] * one[1] - one[0] * one[0]) / (2 * edge)
-    y = 2 * _area(edge, one[0], one[1]) / edge
-    u = (edge * edge + other[0] * other[0] - other[1] * other[1]) / (2 * edge)
-    v = 2 * _area(edge, other[0], other[1]) / edge
+def _other_diagonal(table: Indices, lengths: Floats, half_edge: int) -> float:
+    """Between the tips of the two triangles beside an edge, laid flat."""
+    edge, from_end, to_origin = _sides(table, lengths, half_edge)
+    _, from_origin, to_end = _sides(table, lengths, half_edge ^ 1)
+    x = (edge * edge + to_origin * to_origin - from_end * from_end) / (2 * edge)
+    y = 2 * _area(edge, from_end, to_origin) / edge
+    u = (edge * edge + from_origin * from_origin - to_end * to_end) / (2 * edge)
+    v = 2 * _area(edge, from_origin, to_end) / edge
     return float(np.sqrt((x - u) ** 2 + (y + v) ** 2))

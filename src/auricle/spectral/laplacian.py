@@ -81,37 +81,27 @@ def cotangent_laplacian(mesh: Mesh) -> Laplacian:
 def intrinsic_delaunay_laplacian(mesh: Mesh) -> Laplacian:
     """The Laplacian of the intrinsic Delaunay triangulation, with needles mollified.
 
-    Surfaces that are open or not manifold are covered twice first, by a library.
+    Surfaces that are open, not manifold or in pieces are covered twice first, by a library.
     """
     triangles = intrinsic_delaunay(mesh.vertices, mesh.faces)
-    if triangles is None:
+    if triangles is None or not triangles.areas.min() > 0:
         return _of_the_cover(mesh)
-    squares, origins = triangles.lengths**2, triangles.origins
-    face_areas = triangles.areas
-    # Of the angle opposite each half-edge.
-    dots = np.roll(squares, -1, axis=1) + np.roll(squares, 1, axis=1) - squares
-    weights = dots / (8 * face_areas[:, None])
-    shares = np.repeat(face_areas / 3, 3)
-    areas = np.asarray(np.bincount(origins.ravel(), shares, len(mesh.vertices)), np.float64)
-    _require_areas(weights, areas)
-    ends = np.roll(origins, -1, axis=1)
-    return _assembled(origins.ravel(), ends.ravel(), weights.ravel(), areas, "intrinsic Delaunay")
+    weights = triangles.doubled_dots / (8 * triangles.areas)
+    shares = np.bincount(triangles.origins, triangles.areas / 3, len(mesh.vertices))
+    areas = np.asarray(shares, np.float64)
+    return _assembled(triangles.origins, triangles.ends, weights, areas, "intrinsic Delaunay")
 
 
 def _of_the_cover(mesh: Mesh) -> Laplacian:
     centred = mesh.vertices - mesh.vertices.mean(axis=0)
     matrix, masses = robust_laplacian.mesh_laplacian(centred, mesh.faces)
     areas = np.asarray(masses.diagonal(), dtype=np.float64)
-    _require_areas(matrix.data, areas)
-    upper = sparse.coo_array(sparse.triu(matrix, k=1))
-    return _assembled(upper.coords[0], upper.coords[1], -upper.data, areas, "intrinsic Delaunay")
-
-
-def _require_areas(weights: Floats, areas: PerVertex) -> None:
-    if not (np.isfinite(weights).all() and np.isfinite(areas).all() and areas.min() > 0):
+    if not (np.isfinite(matrix.data).all() and np.isfinite(areas).all() and areas.min() > 0):
         raise SurfaceError(
             "a vertex has no area even after repair of the triangles: remove zero-area faces"
         )
+    upper = sparse.coo_array(sparse.triu(matrix, k=1))
+    return _assembled(upper.coords[0], upper.coords[1], -upper.data, areas, "intrinsic Delaunay")
 
 
 def _assembled(

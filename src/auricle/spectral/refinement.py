@@ -29,14 +29,12 @@ _SIMILAR, _BELOW = 1.1, 0.995
 
 
 def rayleigh_quotients(
-    matrix: sparse.csc_array, rows: Floats, workers: Workers, guesses: PerMode | None = None
+    matrix: sparse.csc_array, rows: Floats, guesses: PerMode, workers: Workers
 ) -> tuple[PerMode, PerMode]:
     """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,).
 
-    In one pass over the rows where these values are nearly known, else in two.
+    From nearly these values, as `row_quotients`.
     """
-    if guesses is None:
-        guesses, _ = rayleigh_quotients(matrix, rows, workers, np.zeros(len(rows)))
     values, residuals = np.empty(len(rows)), np.empty(len(rows))
 
     def fill(some: slice) -> None:
@@ -101,7 +99,7 @@ def freed_of_rounding(
 def corrected(
     matrix: sparse.csc_array,
     rows: Floats,
-    guesses: PerMode | None = None,
+    guesses: PerMode,
     *,
     least: float,
     workers: Workers,
@@ -121,7 +119,7 @@ def corrected(
     rows
         Eigenvectors of its lowest eigenvalues, nearly orthonormal, one a row, shape (k, n).
     guesses
-        Of the eigenvalues, shape (k,), where they are nearly known.
+        Of the eigenvalues, shape (k,).
     least
         Eigenvalue that residuals of smaller ones are relative to.
     workers
@@ -129,7 +127,7 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    values, residuals = rayleigh_quotients(matrix, rows, workers, guesses)
+    values, residuals = rayleigh_quotients(matrix, rows, guesses, workers)
     relative = residuals / np.maximum(values, least)
     if relative.max() > _ENOUGH:
         # Those nearly poor would be the next to be so.
@@ -137,32 +135,26 @@ def corrected(
         factors = factorize(matrix, -float(values.max()), symbolic=symbolic)
         rows = _solved_for(matrix, rows, some, factors, workers)
         values[some], residuals[some] = rayleigh_quotients(
-            matrix, rows[some], workers, values[some]
+            matrix, rows[some], values[some], workers
         )
     approximate = orthonormalized(rows, workers)
     if approximate.rows is not rows:
-        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers, values)
+        values, residuals = rayleigh_quotients(matrix, approximate.rows, values, workers)
     before = np.inf
     for _ in range(_CORRECTIONS):
         worst = float((residuals / np.maximum(values, least)).max())
         if worst <= _ENOUGH or worst > _PROGRESS * before:
             break
         before = worst
-        rows = _rotated(matrix, approximate.rows, workers)
-        for shift, some in _by_height(*_poor(matrix, rows, least, workers), least):
+        values, rows = _rotated(matrix, approximate.rows, workers)
+        values, residuals = rayleigh_quotients(matrix, rows, values, workers)
+        poor = np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
+        for shift, some in _by_height(values, poor, least):
             factors = factorize(matrix, shift, symbolic=symbolic)
             rows = _solved_for(matrix, rows, some, factors, workers)
         approximate = orthonormalized(rows, workers)
-        values, residuals = rayleigh_quotients(matrix, approximate.rows, workers)
+        values, residuals = rayleigh_quotients(matrix, approximate.rows, values, workers)
     return Refined(approximate.rows, values, residuals, approximate.departure)
-
-
-def _poor(
-    matrix: sparse.csc_array, rows: Floats, least: float, workers: Workers
-) -> tuple[PerMode, Integers]:
-    """Rayleigh quotients, and which rows leave over more than they should."""
-    values, residuals = rayleigh_quotients(matrix, rows, workers)
-    return values, np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
 
 
 def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[float, Integers]]:
@@ -178,7 +170,7 @@ def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[floa
     return groups
 
 
-def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats:
+def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> tuple[PerMode, Floats]:
     """Of the space the rows span, those that the matrix maps onto themselves (Rayleigh-Ritz).
 
     Neighbouring runs' vectors can be mixed with each other, where eigenvalues are nearly equal.
@@ -189,9 +181,8 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> Floats
         products[some] = row_products(matrix, rows[some]) @ rows.T
 
     workers.each(fill, slices(len(rows), _AT_ONCE))
-    _, rotation = eigh(0.5 * (products + products.T))
-    rotated: Floats = rotation.T @ rows
-    return rotated
+    values, rotation = eigh(0.5 * (products + products.T))
+    return values, rotation.T @ rows
 
 
 def _solved_for(
@@ -205,16 +196,10 @@ def _solved_for(
     better = rows.copy()
 
     def fill(some: slice) -> None:
-        _, left_over = _left_over(matrix, rows[poor[some]])
+        wrong = rows[poor[some]]
+        left_over = row_products(matrix, wrong)
+        left_over -= np.einsum("kn,kn->k", wrong, left_over)[:, None] * wrong
         better[poor[some]] -= factors.solve(left_over.T).T
 
     workers.each(fill, slices(len(poor), _AT_ONCE))
     return better
-
-
-def _left_over(matrix: sparse.csc_array, rows: Floats) -> tuple[Floats, Floats]:
-    """Rayleigh quotients, and what the matrix makes of the rows beyond them."""
-    left_over = row_products(matrix, rows)
-    values = np.einsum("kn,kn->k", rows, left_over)
-    left_over -= values[:, None] * rows
-    return values, left_over

@@ -19,6 +19,7 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
+from auricle.spectral.side_by_side import set_side_by_side
 
 Entries: TypeAlias = tuple[NDArray[np.int32], NDArray[np.int32], Floats]
 """Where each column begins, rows of its entries, and these: as a compressed matrix holds them."""
@@ -93,7 +94,7 @@ def _sums_beyond(entries: Entries, rows: Floats, guesses: PerMode) -> tuple[Floa
     starts, neighbours, data = entries
     count, n = rows.shape
     zero, columns, room = eight(0.0), np.zeros(n * _WIDE), np.zeros(4 * _WIDE)
-    _set_side_by_side(rows, columns, _WIDE)
+    set_side_by_side(rows, np.arange(n), columns, _WIDE)
     room[:count] = guesses
     guess, beyond, beside, sizes = load(zero, room, 0), zero, zero, zero
     for i in range(n):
@@ -108,21 +109,6 @@ def _sums_beyond(entries: Entries, rows: Floats, guesses: PerMode) -> tuple[Floa
     store(sizes, room, 3 * _WIDE)
     sums = room.reshape((4, _WIDE))
     return sums[1, :count].copy(), sums[2, :count].copy(), sums[3, :count].copy()
-
-
-@compiled
-def _set_side_by_side(rows: Floats, columns: Floats, lanes: int) -> None:
-    """Set the entries of rows beside each other, in places for so many."""
-    fours = len(rows) - len(rows) % 4
-    for j in range(0, fours, 4):
-        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
-        for i in range(rows.shape[1]):
-            place = i * lanes + j
-            columns[place], columns[place + 1] = a[i], b[i]
-            columns[place + 2], columns[place + 3] = c[i], d[i]
-    for j in range(fours, len(rows)):
-        for i in range(rows.shape[1]):
-            columns[i * lanes + j] = rows[j, i]
 
 
 @compiled
@@ -141,7 +127,7 @@ def _products(entries: Entries, rows: Floats, products: Floats, zero: Lanes) -> 
     n_rows, n = rows.shape
     lanes = width(zero)
     columns, sums = np.zeros(n * lanes), np.empty(lanes)
-    _set_side_by_side(rows, columns, lanes)
+    set_side_by_side(rows, np.arange(n), columns, lanes)
     for i in range(n):
         total = zero
         for e in range(starts[i], starts[i + 1]):

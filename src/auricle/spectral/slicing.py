@@ -30,8 +30,8 @@ _SEARCH_BLOCK, _WIDEST_BLOCK = 8, 32
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
 _UNTIL_FIRST, _AT_THE_BOTTOM = 16, 7
-"""Blocks before the first pair converges, fewer where nothing lies further down;
-each further pair takes `VECTORS_PER_PAIR` vectors."""
+"""Blocks before the first pair converges, fewer where nothing lies further down; each further pair
+takes `VECTORS_PER_PAIR` vectors."""
 _MOST_VECTORS, _SEARCH_STEPS = 800, 40
 """Length of a run: at most, in vectors; and of a search, in blocks."""
 _MARGIN = 4

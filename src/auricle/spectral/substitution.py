@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from auricle.arrays import Floats, Integers
+from auricle.arrays import Floats
 from auricle.compiled import compiled
 from auricle.spectral.elimination import EliminationPlan
 from auricle.spectral.lanes import (
@@ -17,6 +17,7 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
+from auricle.spectral.side_by_side import set_apart, set_side_by_side
 
 _NARROW, _WIDE, _AT_ONCE = 4, 8, 16
 """Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
@@ -38,42 +39,13 @@ def substituted(plan: EliminationPlan, panels: Floats, right: Floats) -> Floats:
         n_right = len(right[some])
         full = _NARROW if n_right <= _NARROW else -(-n_right // _WIDE) * _WIDE
         columns = np.zeros(right.shape[1] * full)
-        _permute(right[some], plan.order, columns, full)
+        set_side_by_side(right[some], plan.order, columns, full)
         if full == _NARROW:
             _substitute_four(plan, panels, columns, full)
         else:
             _substitute_eight(plan, panels, columns, full)
-        _permute_back(columns, full, plan.order, solutions[some])
+        set_apart(columns, full, plan.order, solutions[some])
     return solutions
-
-
-@compiled
-def _permute(rows: Floats, order: Integers, columns: Floats, n_columns: int) -> None:
-    """Set rows side by side, in order of elimination."""
-    fours = len(rows) - len(rows) % 4
-    for j in range(0, fours, 4):
-        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
-        for i in range(len(order)):
-            place, k = i * n_columns + j, order[i]
-            columns[place], columns[place + 1] = a[k], b[k]
-            columns[place + 2], columns[place + 3] = c[k], d[k]
-    for j in range(fours, len(rows)):
-        for i in range(len(order)):
-            columns[i * n_columns + j] = rows[j, order[i]]
-
-
-@compiled
-def _permute_back(columns: Floats, n_columns: int, order: Integers, rows: Floats) -> None:
-    fours = len(rows) - len(rows) % 4
-    for j in range(0, fours, 4):
-        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
-        for i in range(len(order)):
-            place, k = i * n_columns + j, order[i]
-            a[k], b[k] = columns[place], columns[place + 1]
-            c[k], d[k] = columns[place + 2], columns[place + 3]
-    for j in range(fours, len(rows)):
-        for i in range(len(order)):
-            rows[j, order[i]] = columns[i * n_columns + j]
 
 
 @compiled

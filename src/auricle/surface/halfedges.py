@@ -116,6 +116,29 @@ def merge(half_edges: Indices, starts: Indices, half_edge: int) -> None:
 
 
 @compiled_in_place
+def flip(half_edges: Indices, half_edge: int) -> None:
+    """Let an edge join the other two corners of the faces beside it, both of which it must have.
+
+    It turns clockwise. The starts of the two vertices that it leaves are not kept up.
+    """
+    other = half_edge ^ 1
+    after, before = half_edges[half_edge, AFTER], half_edges[half_edge, BEFORE]
+    after_other, before_other = half_edges[other, AFTER], half_edges[other, BEFORE]
+    half_edges[half_edge, ORIGIN] = half_edges[before_other, ORIGIN]
+    half_edges[other, ORIGIN] = half_edges[before, ORIGIN]
+    _surround(half_edges, half_edge, before, after_other)
+    _surround(half_edges, other, before_other, after)
+
+
+@compiled_in_place
+def _surround(half_edges: Indices, first: int, second: int, third: int) -> None:
+    """Let three half-edges follow one another around a face."""
+    half_edges[first, AFTER], half_edges[second, AFTER] = second, third
+    half_edges[third, AFTER], half_edges[first, BEFORE] = first, third
+    half_edges[second, BEFORE], half_edges[third, BEFORE] = first, second
+
+
+@compiled_in_place
 def _rename(half_edges: Indices, first: int, name: int) -> None:
     """Let the half-edges that leave the vertex of `first` leave another one."""
     half_edge = first
