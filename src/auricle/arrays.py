@@ -26,12 +26,22 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def read_only(array: ArrayLike, dtype: DTypeLike) -> NDArray[Any]:
-    """A private, C-ordered copy of `array` that nobody can change.
+    """A private, C-ordered copy of `array` that nobody can change; itself if it is `frozen`.
 
-    >>> frozen = read_only([1, 2], np.float64)
-    >>> frozen.flags.writeable
-    False
+    >>> once = read_only([1, 2], np.float64)
+    >>> once.flags.writeable, read_only(once, np.float64) is once
+    (False, True)
     """
-    copy = np.array(array, dtype=dtype, order="C", copy=True)
-    copy.flags.writeable = False
-    return copy
+    if isinstance(array, np.ndarray) and array.dtype == dtype and _is_frozen(array):
+        return array
+    return frozen(np.array(array, dtype=dtype, order="C", copy=True))
+
+
+def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """The array itself, made unchangeable: for who has just made it and keeps no view of it."""
+    array.flags.writeable = False
+    return array
+
+
+def _is_frozen(array: NDArray[Any]) -> bool:
+    return array.base is None and array.flags.c_contiguous and not array.flags.writeable

@@ -7,6 +7,7 @@ from scipy import sparse
 from auricle.spectral import factorization
 from auricle.spectral.bolsters import Bolstered
 from auricle.spectral.factorization import analyze, factorize
+from auricle.spectral.gram_schmidt import aligned_rows
 from auricle.spectral.laplacian import laplacian
 from auricle.surface.shapes import cube, icosphere
 
@@ -22,7 +23,11 @@ def with_bolsters(rng, matrix, count: int):
         [-1, 1], count
     )
     factored = matrix + np.diag(bolsters)
-    return factored, Bolstered.of(bolsters, lambda rows: np.linalg.solve(factored, rows.T).T)
+
+    def solve(rows, solutions) -> None:
+        solutions[:, : len(matrix)] = np.linalg.solve(factored, rows[:, : len(matrix)].T).T
+
+    return factored, Bolstered.of(bolsters, solve)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 30])
@@ -30,9 +35,10 @@ def test_solutions_are_turned_into_those_of_the_matrix(rng, count) -> None:
     matrix = symmetric(rng)
     factored, bolstered = with_bolsters(rng, matrix, count)
     right = rng.standard_normal((5, len(matrix)))
-    solutions = np.linalg.solve(factored, right.T).T.copy()
+    solutions = aligned_rows(5, len(matrix))
+    solutions[:, : len(matrix)] = np.linalg.solve(factored, right.T).T
     bolstered.take_out_of(solutions)
-    np.testing.assert_allclose(matrix @ solutions.T, right.T, atol=1e-9)
+    np.testing.assert_allclose(matrix @ solutions[:, : len(matrix)].T, right.T, atol=1e-9)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 30])

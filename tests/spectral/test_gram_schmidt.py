@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from auricle.spectral.gram_schmidt import aligned_rows, orthogonalize, orthonormalize
+from auricle.spectral.gram_schmidt import aligned_rows, lengths, orthogonalize, orthonormalize
 
 
 def orthonormal_rows(rng, count: int, n: int):
@@ -51,3 +51,9 @@ def test_every_aligned_row_begins_with_a_line_of_the_cache(length) -> None:
     assert rows.shape == (5, length + -length % 8)
     assert rows.flags.c_contiguous
     assert all(row.ctypes.data % 64 == 0 for row in rows)
+
+
+@pytest.mark.parametrize("n", [1, 7, 8, 1003])
+def test_lengths_are_those_of_the_rows(rng, n) -> None:
+    rows = rng.standard_normal((5, n))
+    np.testing.assert_allclose(lengths(rows), np.linalg.norm(rows, axis=1), rtol=1e-14)

@@ -8,6 +8,7 @@ from scipy.linalg import eigvals
 
 from auricle.errors import InputError
 from auricle.spectral.harmonics import Harmonics, manifold_harmonics
+from auricle.spectral.laplacian import laplacian
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere, joined, rectangle, torus
 
@@ -140,6 +141,21 @@ def test_the_dense_and_the_sliced_solver_agree() -> None:
 def test_modes_are_orthonormal_under_the_vertex_areas(basis) -> None:
     gram = basis.modes.T @ (basis.areas[:, None] * basis.modes)
     assert np.abs(gram - np.eye(basis.n_modes)).max() < 1e-10
+
+
+def test_the_certificate_tells_no_less_than_what_can_be_measured(bumpy) -> None:
+    """Of so many modes most products are bounded by residuals and not measured."""
+    found = manifold_harmonics(bumpy, 500)
+    images = laplacian(bumpy).stiffness @ found.modes
+    images -= found.eigenvalues * (found.areas[:, None] * found.modes)
+    residuals = np.sqrt((images**2 / found.areas[:, None]).sum(axis=0))
+    relative = residuals / np.maximum(found.eigenvalues, found.eigenvalues[1])
+    gram = found.modes.T @ (found.areas[:, None] * found.modes)
+    departure = np.abs(gram - np.eye(found.n_modes)).max()
+    # To the rounding of measuring it twice.
+    assert departure <= found.certificate.largest_orthogonality_error + 1e-14
+    assert relative.max() <= 1.01 * found.certificate.largest_residual + 1e-13
+    assert relative.max() > 0.5 * found.certificate.largest_residual
 
 
 def test_transform_and_inverse_undo_each_other_in_the_band(basis, rng) -> None:

@@ -7,6 +7,7 @@ from scipy import sparse
 from auricle.spectral import lanczos
 from auricle.spectral.factorization import factorize
 from auricle.spectral.lanczos import Effort, LanczosRun
+from auricle.spectral.workers import Workers
 
 
 def run_near(place: float, rng: np.random.Generator) -> LanczosRun:
@@ -24,7 +25,8 @@ def test_vectors_stay_orthonormal_also_where_an_eigenvalue_lies_next_to_the_shif
     rng, aside
 ) -> None:
     run = run_near(700 + aside, rng)
-    vectors = run.vectors()
+    with Workers(2) as workers:
+        vectors = run.vectors(0, workers)
     np.testing.assert_allclose(vectors @ vectors.T, np.eye(len(vectors)), atol=1e-9)
     # Nothing missed near the shift and nothing found twice.
     near = run.values[np.abs(run.values - 700) < 30.5]

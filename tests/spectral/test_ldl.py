@@ -12,6 +12,7 @@ from scipy.sparse.linalg import splu
 from auricle.errors import SolverError
 from auricle.spectral import factorization, ldl, substitution
 from auricle.spectral.factorization import analyze, factorize
+from auricle.spectral.gram_schmidt import aligned_rows
 from auricle.spectral.laplacian import laplacian
 from auricle.surface.cleaning import clean
 from auricle.surface.mesh import Mesh
@@ -279,3 +280,18 @@ def test_the_memory_foretold_is_the_memory_of_the_factors() -> None:
     symbolic = analyze(symmetrized(SHAPES["sphere"]))
     factors = factorize(symmetrized(SHAPES["sphere"]), 0.1, symbolic=symbolic)
     assert factors._panels.nbytes < symbolic.n_bytes < 2 * factors._panels.nbytes
+
+
+@pytest.mark.parametrize("refined_above", [np.inf, 0.0])
+def test_rows_are_solved_for_in_place_as_columns_are(rng, monkeypatch, refined_above) -> None:
+    monkeypatch.setattr(factorization, "_REFINED_ABOVE", refined_above)
+    matrix = laplacian(icosphere(radius=1.0, subdivisions=2)).stiffness.tocsc()
+    factors = factorize(sparse.csc_array(matrix), 0.3)
+    right, solutions = aligned_rows(5, factors.size), aligned_rows(5, factors.size)
+    right[:] = rng.standard_normal(right.shape)
+    solutions[:] = 7.0
+    factors.solve_rows(right, solutions)
+    own = slice(0, factors.size)
+    np.testing.assert_array_equal(solutions[:, own], factors.solve(right[:, own].T).T)
+    # What fills the rows up is left.
+    assert (solutions[:, factors.size :] == 7.0).all()

@@ -3,10 +3,20 @@
 import numpy as np
 import pytest
 
-from auricle.spectral.orthonormal_rows import orthonormalized, overlap
+from auricle.spectral import orthonormal_rows as module
+from auricle.spectral.orthonormal_rows import Separation, orthonormalized, overlap
 from auricle.spectral.workers import Workers
 
 WORKERS = Workers(2)
+
+
+def nothing_known(rows, _values=None) -> Separation:
+    """All eigenvalues might be the same: every product has to be measured."""
+    return Separation(np.zeros(len(rows)), np.zeros(len(rows)), 0.0)
+
+
+def made_orthonormal(rows):
+    return orthonormalized(rows, nothing_known(rows), nothing_known, WORKERS)
 
 
 def orthonormal_rows(rng, count: int, n: int) -> np.ndarray:
@@ -18,8 +28,8 @@ def test_rows_become_orthonormal_and_stay_where_they_were(rng, departure) -> Non
     exact = orthonormal_rows(rng, 130, 700)
     mixing = rng.standard_normal((130, 130)) / 130
     rows = exact + departure * (mixing + mixing.T) @ exact
-    found = orthonormalized(rows, WORKERS)
-    assert np.abs(overlap(found.rows, WORKERS)).max() < 1e-13
+    found = made_orthonormal(rows)
+    assert overlap(found.rows, WORKERS, nothing_known(rows))[1] < 1e-13
     assert found.departure < 1e-13
     np.testing.assert_allclose(
         found.rows, exact, atol=1e-13
@@ -29,7 +39,9 @@ def test_rows_become_orthonormal_and_stay_where_they_were(rng, departure) -> Non
 def test_the_overlap_is_the_lower_triangle_of_the_gram_matrix_less_one(rng) -> None:
     rows = rng.standard_normal((70, 200))
     expected = np.tril(rows @ rows.T - np.eye(70))
-    np.testing.assert_allclose(overlap(rows, WORKERS), expected, atol=1e-12)
+    lower, largest = overlap(rows, WORKERS, nothing_known(rows))
+    np.testing.assert_allclose(lower, expected, atol=1e-12)
+    assert largest == np.abs(lower).max()
 
 
 def test_rows_far_apart_that_overlap_are_noticed_and_made_orthonormal(rng) -> None:
@@ -37,7 +49,7 @@ def test_rows_far_apart_that_overlap_are_noticed_and_made_orthonormal(rng) -> No
     exact = orthonormal_rows(rng, 500, 700)
     rows = exact.copy()
     rows[0] += 1e-6 * exact[450]
-    found = orthonormalized(rows, WORKERS)
+    found = made_orthonormal(rows)
     assert np.abs(found.rows @ found.rows.T - np.eye(500)).max() < 1e-11
 
 
@@ -46,7 +58,58 @@ def test_the_departure_told_is_that_of_the_rows_told(rng) -> None:
     exact = orthonormal_rows(rng, 400, 600)
     rows = exact.copy()
     rows[0] += 5e-12 * exact[350]
-    found = orthonormalized(rows, WORKERS)
+    found = made_orthonormal(rows)
     measured = np.abs(found.rows @ found.rows.T - np.eye(400)).max()
     assert found.departure == pytest.approx(measured, rel=1e-3)
     assert measured == pytest.approx(5e-12, rel=1e-2)
+
+
+def eigenvectors_with_errors(rng, count: int, n: int, size: float):
+    """Of a symmetric matrix, disturbed: rows, and what is known of them."""
+    matrix = rng.standard_normal((n, n))
+    vectors = np.linalg.eigh(matrix + matrix.T)[1]
+    rows = vectors[:, :count].T + size * rng.standard_normal((count, n))
+    rows /= np.linalg.norm(rows, axis=1)[:, None]
+    images = rows @ (matrix + matrix.T)
+    quotients = np.einsum("kn,kn->k", rows, images)
+    residuals = np.linalg.norm(images - quotients[:, None] * rows, axis=1)
+    return rows, Separation(quotients, residuals, 1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-13, 1e-10, 1e-6])
+def test_no_inner_product_exceeds_what_the_residuals_allow(rng, size) -> None:
+    rows, separation = eigenvectors_with_errors(rng, 60, 90, size)
+    products = rows @ rows.T
+    bounds = np.array(
+        [
+            [separation.most(slice(i, i + 1), slice(j, j + 1)) for j in range(i)]
+            + [np.inf] * (60 - i)
+            for i in range(60)
+        ]
+    )
+    assert (np.abs(np.tril(products, -1)) <= bounds).all()
+    # And the bound is of use: it is not many times what was put in.
+    assert np.median(bounds[np.isfinite(bounds)]) < 1e3 * size + 1e-10
+
+
+def test_products_known_to_be_negligible_are_not_measured_but_told(rng, monkeypatch) -> None:
+    """The departure told is never less than what is there."""
+    monkeypatch.setattr(module, "_NEIGHBOURS", 20)
+    rows, separation = eigenvectors_with_errors(rng, 200, 300, 1e-14)
+    measured = np.tril(rows @ rows.T - np.eye(200))
+    lower, largest = overlap(rows, WORKERS, separation)
+    skipped = (lower == 0) & (measured != 0)
+    assert 0.3 < skipped.sum() / (200 * 199 / 2) < 0.95
+    np.testing.assert_allclose(lower[~skipped], measured[~skipped], atol=1e-14)
+    assert np.abs(measured).max() <= largest <= 5e-11
+
+
+def test_large_residuals_hide_nothing(rng, monkeypatch) -> None:
+    """Sabotage: vectors far apart by their eigenvalues that are not orthogonal at all."""
+    monkeypatch.setattr(module, "_NEIGHBOURS", 20)
+    rows, separation = eigenvectors_with_errors(rng, 200, 300, 1e-14)
+    rows[0] += 1e-6 * rows[150]
+    residuals = separation.residuals.copy()
+    residuals[0] += 1e-6 * (separation.values[150] - separation.values[0])
+    _, largest = overlap(rows, WORKERS, Separation(separation.values, residuals, 1e-12))
+    assert largest == pytest.approx(1e-6, rel=1e-3)

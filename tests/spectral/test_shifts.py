@@ -19,7 +19,7 @@ def one_to(n: int) -> Factorable:
 
 
 def fresh() -> Ladder:
-    return Ladder(np.empty(0), [], certified=0.0)
+    return Ladder(np.empty(0), np.empty((0, 1)), certified=0.0)
 
 
 @pytest.mark.parametrize("count", [30, 60, 100])
@@ -42,7 +42,7 @@ def test_a_spectrum_of_many_slices_is_begun_at_its_foot() -> None:
 
 def test_what_was_found_above_the_certified_is_not_searched_again() -> None:
     """So much is known that only a count is left to be made."""
-    ladder = Ladder(np.arange(1.0, 60.0), [], certified=20.5, n_certified=20)
+    ladder = Ladder(np.arange(1.0, 60.0), np.empty((59, 1)), certified=20.5, n_certified=20)
     found = next_shifts(one_to(1000), ladder, count=50, density=1.0, workers=WORKERS)
     assert not found.searched
     assert found.ceiling is not None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from auricle.arrays import Floats, Integers
-from auricle.spectral.gram_schmidt import add_multiples
+from auricle.spectral.gram_schmidt import add_multiples, aligned_rows
 
 _SINGULAR = 1e-10
 """Eigenvalue of what is inverted, in units of the inverse bolsters, that counts as none."""
@@ -26,7 +26,7 @@ class Bolstered:
     places
         Bolstered rows, shape (r,).
     influences
-        Z, one a row, shape (r, n).
+        Z, one a row, as of `aligned_rows`, with 0 beyond: shape (r, n or more).
     inverse
         C⁻¹, shape (r, r).
     n_negative
@@ -44,16 +44,18 @@ class Bolstered:
     n_negative: int
 
     @classmethod
-    def of(cls, bolsters: Floats, solve: Callable[[Floats], Floats]) -> "Bolstered | None":
+    def of(cls, bolsters: Floats, solve: Callable[[Floats, Floats], None]) -> "Bolstered | None":
         """From what was added to the diagonal, shape (n,), and solves with the factors.
 
-        `solve` takes and gives rows, shape (r, n). None where the matrix is singular to rounding.
+        `solve` is given right-hand sides and room for solutions, one a row, shape (r, n or more).
+        None where the matrix is singular to rounding.
         """
         places = np.flatnonzero(bolsters)
-        units = np.zeros((len(places), len(bolsters)))
+        units, influences = (aligned_rows(len(places), len(bolsters)) for _ in range(2))
+        units[:], influences[:] = 0.0, 0.0
         units[np.arange(len(places)), places] = 1.0
         bolsters = bolsters[places]
-        influences = np.ascontiguousarray(solve(units))
+        solve(units, influences)
         beside = influences[:, places]
         roots = np.sqrt(np.abs(bolsters))
         scaled = np.diag(np.sign(bolsters)) - roots[:, None] * (beside + beside.T) / 2 * roots
@@ -65,6 +67,9 @@ class Bolstered:
         return cls(places, influences, inverse, n_negative)
 
     def take_out_of(self, solutions: Floats) -> None:
-        """Turn solutions with the factored matrix into the matrix's, one a row, shape (b, n)."""
+        """Turn solutions with the factored matrix into the matrix's, one a row.
+
+        As many numbers each as `influences`.
+        """
         if len(self.places):
             add_multiples(solutions, solutions[:, self.places] @ self.inverse, self.influences)

@@ -1,6 +1,7 @@
 """A shifted symmetric matrix in factors: solves with it, and counts the eigenvalues below it."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,11 @@ from auricle.compiled import compiled
 from auricle.errors import SolverError
 from auricle.spectral.bolsters import Bolstered
 from auricle.spectral.elimination import EliminationPlan, elimination_plan
+from auricle.spectral.gram_schmidt import aligned_rows
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.row_products import row_products
-from auricle.spectral.substitution import substituted
+from auricle.spectral.substitution import substitute
 
 _GROWTHS, _MOST_BOLSTERS = (50.0, 1e3, 1e5, np.inf), 64
 """Largest entries that L may have: the first for which not more pivots are bolstered than is cheap
@@ -119,11 +121,12 @@ class ShiftedFactorization:
     def __post_init__(self) -> None:
         right = np.random.default_rng(0).standard_normal(self.size)
         solution = self.solve(right, refine=False)
+        residual = self._residuals(np.atleast_2d(right), np.atleast_2d(solution))[0]
         sizes = _products_of_magnitudes(
             self._matrix.indptr, self._matrix.indices, self._matrix.data, solution
         )
         sizes += abs(self.shift) * np.abs(solution)
-        errors = np.abs(self._residual(right, solution)) / (sizes + np.abs(right))
+        errors = np.abs(residual) / (sizes + np.abs(right))
         object.__setattr__(self, "backward_error", float(errors.max()))
 
     @property
@@ -137,21 +140,41 @@ class ShiftedFactorization:
         Blocks are much faster than single columns. With `refine` the residual is solved for once
         more, at twice the time; unless told, where `backward_error` is more than 1e-11.
         """
-        solution = self._substituted(right)
-        if refine or (refine is None and self.backward_error > _REFINED_ABOVE):
-            solution += self._substituted(self._residual(right, solution))
-        return solution
+        columns = right.reshape(self.size, -1)
+        rows, solutions = (aligned_rows(columns.shape[1], self.size) for _ in range(2))
+        rows[:, : self.size] = columns.T
+        self._substitute(rows, solutions)
+        if refine or (refine is None and self._is_rough):
+            self._refine(rows, solutions)
+        return solutions[:, : self.size].T.reshape(right.shape)
 
-    def _substituted(self, right: Floats) -> Floats:
-        rows = np.ascontiguousarray(right.reshape(self.size, -1).T, dtype=np.float64)
-        solutions = substituted(self._plan, self._panels, rows)
+    def solve_rows(self, right: Floats, solutions: Floats) -> None:
+        """Set `solutions` to what `solve` gives, in place.
+
+        Both one a row, shape (b, n or more), and as wide as `aligned_rows` makes rows of n.
+        """
+        self._substitute(right, solutions)
+        if self._is_rough:
+            self._refine(right, solutions)
+
+    @property
+    def _is_rough(self) -> bool:
+        return self.backward_error > _REFINED_ABOVE
+
+    def _substitute(self, right: Floats, solutions: Floats) -> None:
+        substitute(self._plan, self._panels, right, solutions)
         self._bolstered.take_out_of(solutions)
-        return solutions.T.reshape(right.shape)
 
-    def _residual(self, right: Floats, solution: Floats) -> Floats:
-        images = row_products(self._matrix, np.atleast_2d(solution.T)).T.reshape(right.shape)
-        residual: Floats = right - images + self.shift * solution
-        return residual
+    def _refine(self, right: Floats, solutions: Floats) -> None:
+        residuals, changes = np.zeros_like(right), np.zeros_like(right)
+        residuals[:, : self.size] = self._residuals(right, solutions)
+        self._substitute(residuals, changes)
+        solutions[:, : self.size] += changes[:, : self.size]
+
+    def _residuals(self, right: Floats, solutions: Floats) -> Floats:
+        own = solutions[:, : self.size]
+        residuals: Floats = right[:, : self.size] - row_products(self._matrix, own)
+        return residuals + self.shift * own
 
 
 def factorize(
@@ -222,7 +245,7 @@ def _factored(
             break
     bolsters = np.zeros_like(in_order)
     bolsters[plan.order] = in_order
-    bolstered = Bolstered.of(bolsters, lambda rows: substituted(plan, panels, rows))
+    bolstered = Bolstered.of(bolsters, partial(substitute, plan, panels))
     if bolstered is None:
         return None
     n_below = n_negative + bolstered.n_negative

@@ -7,7 +7,7 @@ from scipy import sparse
 from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
-from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, read_only
+from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, frozen, read_only
 from auricle.compiled import compiled
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
@@ -27,7 +27,7 @@ _DENSE_SHARE = 1 / 4
 _DENSE_COPIES = 4
 """Full matrices that LAPACK's divide and conquer holds at one time."""
 _CLUSTER_GAP = 1e-7
-_ROWS_AT_ONCE = 8
+_ROWS_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,8 @@ class Certificate:
         Of ‖stiffness·u − λ·areas·u‖ in the inverse-area norm, relative to λ; for the zero modes
         relative to the first eigenvalue that is not zero.
     largest_orthogonality_error
-        Of |modesᵀ·areas·modes − identity|.
+        Of |modesᵀ·areas·modes − identity|: measured, but for modes whose eigenvalues are so far
+        apart that their residuals bound it to less than 2e-11.
     n_zero_modes
         Harmonics constant on a piece of the surface: as many as there are pieces.
     method
@@ -326,29 +327,31 @@ def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) ->
 
     Entries of `rows` belong to the vertices in `order`.
     """
-    modes, roots, places = np.empty_like(rows), 1 / np.sqrt(areas), np.empty_like(order)
-    places[order] = np.arange(len(order))
+    modes, roots = np.empty(rows.shape[::-1]), 1 / np.sqrt(areas[order])
 
     def fill(some: slice) -> None:
-        _fill_modes(rows[some], places, roots, modes[some])
+        _fill_modes(rows[some], order, roots, modes[:, some])
 
     workers.each(fill, slices(len(rows), _ROWS_AT_ONCE))
-    return modes.T
+    return frozen(modes)
 
 
 @compiled
-def _fill_modes(rows: Floats, places: Integers, roots: PerVertex, modes: Floats) -> None:
-    """Set each mode from a row, vertex by vertex from its place there."""
-    for row, mode in zip(rows, modes):  # noqa: B905 -- unknown to the compiler
+def _fill_modes(rows: Floats, order: Integers, roots: PerVertex, modes: Floats) -> None:
+    """Set each mode, a column, from a row; all at once, so that whole lines are written."""
+    signs = np.ones(len(rows))
+    for i in range(len(rows)):
         high, low = 0.0, 0.0
-        for j in range(len(mode)):
-            value = row[places[j]] * roots[j]
-            mode[j] = value
+        for p in range(len(order)):
+            value = rows[i, p] * roots[p]
             high = value if value > high else high
             low = value if value < low else low
         if -low > high:
-            for j in range(len(mode)):
-                mode[j] = -mode[j]
+            signs[i] = -1.0
+    for p in range(len(order)):
+        mode, root = modes[order[p]], roots[p]
+        for i in range(len(rows)):
+            mode[i] = signs[i] * (rows[i, p] * root)
 
 
 def _require_certificate(certificate: Certificate) -> None:

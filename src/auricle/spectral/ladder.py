@@ -1,5 +1,6 @@
 """Eigenpairs found so far along a spectrum, and where a run's join them with none missing."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,37 +16,52 @@ _AGREEMENT = 1e-8
 class Ladder:
     """Eigenpairs found so far, ascending, with what was retried on the way.
 
-    Every eigenvalue under `certified` is on the ladder; above it some may still be missing.
+    Every eigenvalue under `certified` is on the ladder; above it some may still be missing. `room`
+    has rows for more vectors than there are values, and grows where these do not suffice.
     """
 
     values: Floats
-    vectors: list[Floats]
+    room: Floats
     certified: float
     n_certified: int = 0
     retries: list[str] = field(default_factory=list)
 
+    @property
+    def vectors(self) -> Floats:
+        """Eigenvectors, one a row, shape (c, n); they change with the ladder."""
+        return self.room[: len(self.values)]
+
     def add(self, values: Floats, vectors: Floats) -> None:
         """Take in new pairs, one a row of `vectors`."""
         together = np.concatenate([self.values, values])
-        rows = [*self.vectors, *vectors]
+        rows = np.concatenate([self.vectors, vectors])
         order = np.argsort(together, kind="stable")
-        self.values = together[order]
-        self.vectors = [rows[i] for i in order]
+        self._make_room(len(order))
+        self.values, self.room[: len(order)] = together[order], rows[order]
 
-    def replace_above(self, kept: int, values: Floats, vectors: Floats) -> None:
-        """Keep `kept` pairs above the certified ones, then go on with these, one a row."""
+    def replace_above(self, kept: int, values: Floats, fill: Callable[[Floats], object]) -> None:
+        """Keep `kept` pairs above the certified ones, then go on with these.
+
+        `fill` is to set the rows it is given to their vectors.
+        """
         height = self.n_certified + kept
+        self._make_room(height + len(values))
+        fill(self.room[height : height + len(values)])
         self.values = np.concatenate([self.values[:height], values])
-        self.vectors = [*self.vectors[:height], *vectors]
+
+    def _make_room(self, count: int) -> None:
+        if count > len(self.room):
+            larger = np.empty((max(count, 2 * len(self.room)), self.room.shape[1]))
+            larger[: len(self.values)] = self.vectors
+            self.room = larger
 
     def certify(self, factors: ShiftedFactorization) -> None:
         """Note that every eigenvalue under the shift is on the ladder."""
         self.certified, self.n_certified = factors.shift, factors.n_below
 
-    def from_value(self, low: float, n: int) -> Floats:
+    def from_value(self, low: float) -> Floats:
         """Eigenvectors with eigenvalues from `low` up, one a row, shape (c, n)."""
-        rows = self.vectors[int(np.searchsorted(self.values, low)) :]
-        return np.stack(rows) if rows else np.empty((0, n))
+        return self.vectors[int(np.searchsorted(self.values, low)) :]
 
     def n_below(self, value: float) -> int:
         """How many eigenvalues on the ladder lie below `value`."""

@@ -9,12 +9,12 @@ from scipy.linalg import eigh
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
-from auricle.spectral.gram_schmidt import aligned_rows, orthogonalize, orthonormalize
+from auricle.spectral.gram_schmidt import aligned_rows, lengths, orthogonalize, orthonormalize
 from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_LEAST_LOST, _MOST_LOST = 1e-15, 3e-11
+_LEAST_LOST, _MOST_LOST = 1e-15, 2e-10
 """How far a block is from orthogonal to the basis after all of it was looked at, and may be."""
 _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
@@ -121,34 +121,32 @@ class LanczosRun:
         nearest_first: Floats = rough[np.argsort(-np.abs(rough))]
         return self.factors.shift + 1 / nearest_first
 
-    def vectors(self, first: int = 0, workers: Workers | None = None) -> Floats:
-        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n).
+    def vectors(self, first: int, workers: Workers) -> Floats:
+        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""
+        found = np.empty((len(self.values) - first, self.factors.size))
+        self.fill_vectors(first, found, workers=workers)
+        return found
 
-        In two halves, which `workers` make side by side.
-        """
+    def fill_vectors(self, first: int, rows: Floats, *, workers: Workers) -> None:
+        """Set rows to what `vectors` returns, in two halves that are made side by side."""
         own = self._basis[self._n_known : self._n_known + len(self._weights)]
         weights = np.ascontiguousarray(self._weights[:, first:].T)
-        found = np.empty((len(weights), self.factors.size))
+        half = self.factors.size // 2
 
         def fill(some: slice) -> None:
-            np.matmul(weights, own[:, some], out=found[:, some])
+            np.matmul(weights, own[:, some], out=rows[:, some])
 
-        half = self.factors.size // 2
-        halves = [slice(0, half), slice(half, self.factors.size)]
-        if workers is not None:
-            workers.each(fill, halves)
-        else:
-            for some in halves:
-                fill(some)
-        return found
+        workers.each(fill, [slice(0, half), slice(half, self.factors.size)])
 
     def _extend(self, n_steps: int) -> None:
         """Lengthen the basis to `n_steps` blocks and the one that follows them."""
         for step in range(self._n_steps, n_steps):
             self._pause()
             end = self._n_known + (step + 1) * self._effort.block
-            last = self._basis[end - self._effort.block : end, : self.factors.size]
-            image = self._put(end, self.factors.solve(last.T).T)
+            last = self._basis[end - self._effort.block : end]
+            image = self._basis[end : end + self._effort.block]
+            image[:, self.factors.size :] = 0.0
+            self.factors.solve_rows(last, image)
             diagonal = self._orthogonalized(end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
@@ -181,7 +179,7 @@ class LanczosRun:
             inside[-block:] += orthogonalize(self._basis[:end], image)[-block:]
             return inside[-block:]
         self._scale = max(self._scale, float(np.linalg.norm(inside)))
-        sizes = np.sqrt((image**2).sum(axis=1))
+        sizes = lengths(image)
         before, last = self._lost
         self._lost = (last, last * self._scale / sizes.min() + before)
         if not self._lost[1] < _MOST_LOST:

@@ -1,19 +1,57 @@
 """Many nearly orthonormal rows made orthonormal, and how far from that they are."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from auricle.arrays import Floats
+from auricle.arrays import Floats, PerMode
 from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
 """Rows before and after each that it departs from orthogonal to by more than to others."""
+_NEGLIGIBLE = 2e-11
+"""Inner product that need not be measured where it is known not to exceed this."""
 _ORTHONORMAL = 5e-11
 """Departure from orthonormality that is left alone."""
 _SINGLE = 1e-8
 """Departure that single precision suffices to correct for: its error is 1e-7 of that."""
 _MOST_STEPS, _PARTS = 4, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Separation:
+    """What keeps approximate eigenvectors of one symmetric matrix apart.
+
+    Attributes
+    ----------
+    values
+        Approximate eigenvalues, ascending, shape (k,).
+    residuals
+        Norms of what the matrix makes of the vectors beyond these multiples, shape (k,).
+    hidden
+        What rounding may hide of each.
+    """
+
+    values: PerMode
+    residuals: PerMode
+    hidden: float
+
+    def most(self, some: slice, lower: slice) -> float:
+        """Largest inner product that vectors of two ranges can have; ∞ where nothing is known.
+
+        With A·u = μ·u + r and A·v = ν·v + s the product (μ − ν)·u·v is u·s − v·r, so that for
+        vectors of length one |u·v| is not more than (‖r‖ + ‖s‖) / |μ − ν|.
+
+        Examples
+        --------
+        >>> apart = Separation(np.array([1.0, 2.0, 4.0]), np.array([1e-9, 3e-9, 1e-9]), 0.0)
+        >>> apart.most(slice(2, 3), slice(0, 2))
+        2e-09
+        """
+        distance = float(self.values[some].min() - self.values[lower].max())
+        beyond = float(self.residuals[some].max() + self.residuals[lower].max())
+        return (beyond + 2 * self.hidden) / distance if distance > 0 else np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,58 +62,78 @@ class Orthonormal:
     ----------
     rows
         Shape (k, n).
+    separation
+        Of these rows.
     departure
-        Largest of all entries of |rows·rowsᵀ − identity|, measured.
+        Not less than the largest entry of |rows·rowsᵀ − identity|: measured, but for rows so far
+        apart that it is known to be negligible.
     """
 
     rows: Floats
+    separation: Separation
     departure: float
 
 
-def orthonormalized(rows: Floats, workers: Workers) -> Orthonormal:
+def orthonormalized(
+    rows: Floats,
+    separation: Separation,
+    separated: Callable[[Floats, PerMode], Separation],
+    workers: Workers,
+) -> Orthonormal:
     """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
 
     Eigenvectors found of one symmetric matrix are the nearer to orthogonal the further apart
     their eigenvalues lie. So a first step is taken among neighbours, at a fraction of the price,
-    and further ones among all; none where the departure, which is always measured, is small.
+    and further ones among all; none where the departure is small.
 
     Parameters
     ----------
     rows
         Nearly orthonormal, shape (k, n), in the order of their eigenvalues.
+    separation, separated
+        Of these rows; and of rows that are nearly these, from nearly their eigenvalues.
     workers
         Who share the products.
 
     References
     ----------
-    Higham 2008, Functions of Matrices, § 8.3.
+    Higham 2008, Functions of Matrices, § 8.3; Parlett 1998, The Symmetric Eigenvalue Problem, § 11.
     """
     parts, reach = slices(len(rows), _NEIGHBOURS), 1
-    lower = overlap(rows, workers)
-    for _ in range(_MOST_STEPS):
-        if np.abs(lower).max() <= _ORTHONORMAL:
+    for steps_left in range(_MOST_STEPS, -1, -1):
+        lower, departure = overlap(rows, workers, separation)
+        if departure <= _ORTHONORMAL or not steps_left:
             break
         rows = _step(rows, lower, parts, reach, workers)
-        lower = overlap(rows, workers)
+        separation = separated(rows, separation.values)
         parts, reach = _quarters(len(rows)), _PARTS
-    return Orthonormal(rows, float(np.abs(lower).max()))
+    return Orthonormal(rows, separation, departure)
 
 
-def overlap(rows: Floats, workers: Workers) -> Floats:
-    """Inner products of all rows less those of orthonormal ones: the lower triangle, shape (k, k).
+def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Floats, float]:
+    """Inner products of all rows less those of orthonormal ones, and their largest magnitude.
 
-    Half the work of a general product, since it is symmetric.
+    The lower triangle, shape (k, k). Those that by their `separation` are negligible are left 0;
+    the largest magnitude is then not less than what these can be.
     """
     products = np.zeros((len(rows), len(rows)))
+    parts = slices(len(rows), _NEIGHBOURS)
 
-    def fill(tile: tuple[slice, slice]) -> None:
-        # Of an array and its own transpose the library computes one triangle and copies it.
-        products[tile] = rows[tile[0]] @ rows[tile[1]].T
+    def fill(i: int) -> float:
+        first, unmeasured = 0, 0.0
+        while first < i:
+            most = separation.most(parts[i], slice(parts[first].start, parts[first].stop))
+            if most > _NEGLIGIBLE:
+                break
+            first, unmeasured = first + 1, max(unmeasured, most)
+        near = slice(parts[first].start, parts[i].stop)
+        np.matmul(rows[parts[i]], rows[near].T, out=products[parts[i], near])
+        return unmeasured
 
-    parts = _quarters(len(rows))
-    workers.each(fill, [(one, other) for i, one in enumerate(parts) for other in parts[: i + 1]])
+    unmeasured = workers.each(fill, range(len(parts)))
     products[np.diag_indices_from(products)] -= 1.0
-    return np.tril(products)
+    lower = np.tril(products)
+    return lower, float(np.abs(lower).max(initial=max(unmeasured)))
 
 
 def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:

@@ -12,7 +12,7 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
-from auricle.spectral.orthonormal_rows import orthonormalized
+from auricle.spectral.orthonormal_rows import Separation, orthonormalized
 from auricle.spectral.row_products import row_products, row_quotients
 from auricle.spectral.workers import Workers, slices
 
@@ -127,34 +127,48 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    values, residuals = rayleigh_quotients(matrix, rows, guesses, workers)
-    relative = residuals / np.maximum(values, least)
+    hidden = _rounding(matrix)
+
+    def separated(rows: Floats, guesses: PerMode) -> Separation:
+        return Separation(*rayleigh_quotients(matrix, rows, guesses, workers), hidden)
+
+    known = separated(rows, guesses)
+    relative = known.residuals / np.maximum(known.values, least)
     if relative.max() > _ENOUGH:
         # Those nearly poor would be the next to be so.
         some = np.flatnonzero(relative > _NEARLY * _ENOUGH)
-        factors = factorize(matrix, -float(values.max()), symbolic=symbolic)
+        factors = factorize(matrix, -float(known.values.max()), symbolic=symbolic)
         rows = _solved_for(matrix, rows, some, factors, workers)
-        values[some], residuals[some] = rayleigh_quotients(
-            matrix, rows[some], values[some], workers
-        )
-    approximate = orthonormalized(rows, workers)
-    if approximate.rows is not rows:
-        values, residuals = rayleigh_quotients(matrix, approximate.rows, values, workers)
+        known = separated(rows, known.values)
+    found = orthonormalized(rows, known, separated, workers)
     before = np.inf
     for _ in range(_CORRECTIONS):
-        worst = float((residuals / np.maximum(values, least)).max())
+        worst = float(
+            (found.separation.residuals / np.maximum(found.separation.values, least)).max()
+        )
         if worst <= _ENOUGH or worst > _PROGRESS * before:
             break
         before = worst
-        values, rows = _rotated(matrix, approximate.rows, workers)
-        values, residuals = rayleigh_quotients(matrix, rows, values, workers)
-        poor = np.flatnonzero(residuals > _ENOUGH * np.maximum(values, least))
-        for shift, some in _by_height(values, poor, least):
+        values, rows = _rotated(matrix, found.rows, workers)
+        known = separated(rows, values)
+        poor = np.flatnonzero(known.residuals > _ENOUGH * np.maximum(known.values, least))
+        for shift, some in _by_height(known.values, poor, least):
             factors = factorize(matrix, shift, symbolic=symbolic)
             rows = _solved_for(matrix, rows, some, factors, workers)
-        approximate = orthonormalized(rows, workers)
-        values, residuals = rayleigh_quotients(matrix, approximate.rows, values, workers)
-    return Refined(approximate.rows, values, residuals, approximate.departure)
+        found = orthonormalized(rows, separated(rows, known.values), separated, workers)
+    known = found.separation
+    return Refined(found.rows, known.values, known.residuals, found.departure)
+
+
+def _rounding(matrix: sparse.csc_array) -> float:
+    """What rounding can hide of the matrix's product with a vector of length one, less a multiple.
+
+    A sum of d products is right to d + 1 roundings of their magnitudes, and the multiple is not
+    larger than the matrix.
+    """
+    columns = sparse.csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), matrix.shape)
+    n_products = int(np.diff(matrix.indptr).max()) + 1
+    return float(2 * columns.sum(axis=0).max() * n_products * np.finfo(float).eps)
 
 
 def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[float, Integers]]:

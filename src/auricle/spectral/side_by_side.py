@@ -11,7 +11,7 @@ def set_side_by_side(rows: Floats, order: Integers, columns: Floats, lanes: int)
     Parameters
     ----------
     rows
-        Shape (b, n), b not more than `lanes`.
+        Shape (b, n or more), b not more than `lanes`.
     order
         Which entries come first, shape (n,).
     columns

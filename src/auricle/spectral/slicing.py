@@ -42,6 +42,8 @@ _GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
 spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
+_SPARE = 100
+"""Eigenpairs above those wanted that a search is likely to find."""
 _LIKELY_VECTORS, _COPIES = 400, 4
 """For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
 
@@ -107,7 +109,8 @@ def lowest_eigenpairs(
         needed_bytes(symbolic, count), f"{count} harmonics of {len(matrix.indptr) - 1} vertices"
     )
     factorable = Factorable(matrix, symbolic)
-    ladder = Ladder(np.empty(0), [], certified=-1 / density)
+    room = np.empty((count + _SPARE, len(matrix.indptr) - 1))
+    ladder = Ladder(np.empty(0), room, certified=-1 / density)
     workers.report("harmonics", 0, count)
     while ladder.n_certified <= count:
         shifts = next_shifts(factorable, ladder, count=count, density=density, workers=workers)
@@ -115,8 +118,8 @@ def lowest_eigenpairs(
         _climb(shifts, ladder, factorable.at, rng=rng, workers=workers)
         density = max(ladder.n_certified - n_low, 1) / (ladder.certified - low)
         workers.report("harmonics", min(ladder.n_certified, count), count)
-    vectors = np.stack(ladder.vectors[: ladder.n_certified])
-    values = ladder.values[: ladder.n_certified]
+    found = slice(0, ladder.n_certified)
+    values, vectors = ladder.values[found], ladder.vectors[found]
     return LowestPairs(values, vectors, ladder.certified, tuple(ladder.retries))
 
 
@@ -163,7 +166,8 @@ def _climb(
             _search(factors, ladder, rng=rng, workers=workers)
         else:
             kept, first = joint
-            ladder.replace_above(kept, run.values[first:], run.vectors(first, workers))
+            fill = partial(run.fill_vectors, first, workers=workers)
+            ladder.replace_above(kept, run.values[first:], fill)
         ladder.certify(factors)
     if shifts.ceiling is not None:
         _search(shifts.ceiling, ladder, rng=rng, workers=workers)
@@ -259,7 +263,7 @@ def _search(
     missing = factors.n_below - ladder.n_below(factors.shift)
     while missing > 0 and attempt < _RETRIES and fruitless < _FRUITLESS:
         ladder.retries.append(f"{missing} eigenvalues below {factors.shift:.6g}/mm²")
-        known = ladder.from_value(ladder.certified - reach, factors.size)
+        known = ladder.from_value(ladder.certified - reach)
         effort = _search_effort(factors, block)
         run = LanczosRun(factors, known, effort=effort, rng=rng, pause=workers.pause)
         workers.result(workers.submit(run.until))

@@ -23,29 +23,28 @@ _NARROW, _WIDE, _AT_ONCE = 4, 8, 16
 """Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
 
 
-def substituted(plan: EliminationPlan, panels: Floats, right: Floats) -> Floats:
-    """Solutions with the factors, one a row, shape (b, n).
+def substitute(plan: EliminationPlan, panels: Floats, right: Floats, solutions: Floats) -> None:
+    """Set `solutions` to those with the factors, one a row.
 
     Parameters
     ----------
     plan, panels
         Of `auricle.spectral.ldl.eliminate`.
-    right
-        Right-hand sides, one a row, shape (b, n), contiguous.
+    right, solutions
+        Right-hand sides and room for what they give, one a row, shape (b, n or more), contiguous;
+        entries beyond n are left alone.
     """
-    solutions = np.empty_like(right)
     for first in range(0, len(right), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
         n_right = len(right[some])
         full = _NARROW if n_right <= _NARROW else -(-n_right // _WIDE) * _WIDE
-        columns = np.zeros(right.shape[1] * full)
+        columns = (np.empty if n_right == full else np.zeros)(len(plan.order) * full)
         set_side_by_side(right[some], plan.order, columns, full)
         if full == _NARROW:
             _substitute_four(plan, panels, columns, full)
         else:
             _substitute_eight(plan, panels, columns, full)
         set_apart(columns, full, plan.order, solutions[some])
-    return solutions
 
 
 @compiled

@@ -18,6 +18,7 @@ from auricle.progress import Progress, silent
 from auricle.spectral.factorization import SymbolicFactorization, analyze, factorize
 from auricle.spectral.harmonics import Harmonics, operator_harmonics
 from auricle.spectral.lanczos import Effort, LanczosRun
+from auricle.spectral.workers import Workers
 from auricle.study.paper.operators import Operator
 
 SMALL = 1_500
@@ -196,4 +197,5 @@ def _probe(
     run = LanczosRun(factors, nothing, effort=_EFFORT, rng=rng, pause=lambda: None).until()
     n_under = int(np.searchsorted(run.values, factors.shift))
     place = factors.n_below + 0.5 * (len(run.values) - 2 * n_under)
-    return place, run.vectors()
+    with Workers(1) as workers:
+        return place, run.vectors(0, workers)
