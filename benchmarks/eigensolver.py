@@ -1,6 +1,7 @@
 """The eigensolver against its peers on real left atria: interleaved rounds, one process a run.
 
     python benchmarks/eigensolver.py prepare PROBLEMS MESH VERTICES MOST_MODES
+    python benchmarks/eigensolver.py prepare PROBLEMS warm 2562 250
     python benchmarks/eigensolver.py measure PROBLEMS NAME --k 100 --rounds 5 --solvers …
     python benchmarks/eigensolver.py floor PROBLEMS NAME --k 100 500
     python benchmarks/eigensolver_report.py PROBLEMS     # writes docs/performance.md and its figure
@@ -26,7 +27,7 @@ PEERS = Path(__file__).with_name("eigensolver_peers.py")
 def prepare(folder: Path, source: str, n_vertices: int, most_modes: int) -> None:
     """Write one problem: mesh, matrices, and the eigenvalues that place slicing's last gap.
 
-    `source` is a mesh file, ``sphere`` or ``atrium`` (a generated one).
+    `source` is a mesh file, ``sphere``, or ``warm`` for the problem that warms every solver up.
     """
     from auricle.spectral.harmonics import manifold_harmonics
     from auricle.spectral.laplacian import laplacian
@@ -36,8 +37,9 @@ def prepare(folder: Path, source: str, n_vertices: int, most_modes: int) -> None
     stiffness = operator.stiffness.tocsc()
     folder.mkdir(parents=True, exist_ok=True)
     label = Path(source).stem.split("_")[0]
+    size = "" if source == "warm" else f"-{round(mesh.n_vertices / 1000)}k"
     np.savez(
-        folder / f"{label}-{round(mesh.n_vertices / 1000)}k.npz",
+        folder / f"{label}{size}.npz",
         vertices=mesh.vertices,
         faces=mesh.faces,
         areas=operator.areas,
@@ -52,13 +54,23 @@ def surface(source: str, n_vertices: int):
     """A closed mesh of about that many vertices."""
     from auricle.surface import capping, cleaning, reading, shapes, simplification
 
-    if source == "sphere":
+    if source in ("sphere", "warm"):
         subdivisions = round(np.log(n_vertices / 10) / np.log(4))
-        return shapes.icosphere(radius=30.0, subdivisions=subdivisions)
+        sphere = shapes.icosphere(radius=30.0, subdivisions=subdivisions)
+        return sphere if source == "sphere" else with_needles(sphere)
     whole = cleaning.clean(reading.read_surface(Path(source))).mesh
     if n_vertices < whole.n_vertices:
         whole = simplification.simplify(whole, n_vertices)
     return capping.cap_holes(whole).mesh
+
+
+def with_needles(whole):
+    """The same with triangles as poor as real atria have: what these need is loaded beforehand."""
+    from auricle.surface.mesh import Mesh
+
+    vertices, (one, other, _) = np.array(whole.vertices), whole.faces[0]
+    vertices[one] += 0.99 * (vertices[other] - vertices[one])
+    return Mesh(vertices, whole.faces)
 
 
 def measure(folder: Path, name: str, choices: argparse.Namespace) -> None:

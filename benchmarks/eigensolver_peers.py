@@ -19,6 +19,8 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 SHIFT = -0.01
+N_WARM = 200
+"""Modes of the warm-up problem: many enough for all code of a slicing solver to be loaded."""
 
 
 def auricle(problem, k, threads):
@@ -191,7 +193,7 @@ def main(name, path, k, threads, out):
     solve, k, threads = SOLVERS[name], int(k), int(threads)
     warm = Path(path).with_name("warm.npz")
     if warm != Path(path) and warm.exists():
-        solve(loaded(warm), 30, threads)
+        solve(loaded(warm), N_WARM, threads)
     problem = loaded(path)
     cpu, wall = time.process_time(), time.perf_counter()
     values, vectors = solve(problem, k, threads)
