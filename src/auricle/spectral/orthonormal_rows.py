@@ -122,7 +122,7 @@ def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Flo
     def fill(i: int) -> float:
         first, unmeasured = 0, 0.0
         while first < i:
-            most = separation.most(parts[i], slice(parts[first].start, parts[first].stop))
+            most = separation.most(parts[i], parts[first])
             if most > _NEGLIGIBLE:
                 break
             first, unmeasured = first + 1, max(unmeasured, most)
