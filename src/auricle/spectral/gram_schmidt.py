@@ -68,7 +68,7 @@ def orthonormalize(block: Floats) -> Floats:
     ([[3.0, 0.0], [4.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]])
     """
     triangle = np.eye(len(block))
-    if not _orthonormalized(block, triangle):
+    if not _make_orthonormal(block, triangle):
         columns, upper = np.linalg.qr(block.T)
         block[:] = columns.T
         triangle = triangle @ upper.T
@@ -76,7 +76,7 @@ def orthonormalize(block: Floats) -> Floats:
 
 
 @compiled
-def _orthonormalized(block: Floats, triangle: Floats) -> bool:
+def _make_orthonormal(block: Floats, triangle: Floats) -> bool:
     """Make rows orthonormal; what they were made of is put into `triangle`.
 
     False where they are too near to dependent, with as much done as could be.

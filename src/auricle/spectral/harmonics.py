@@ -14,8 +14,9 @@ from auricle.progress import Progress, silent
 from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
+from auricle.spectral.orthonormal_rows import Orthonormal
 from auricle.spectral.power import Spectrum
-from auricle.spectral.refinement import Refined, corrected, freed_of_rounding
+from auricle.spectral.refinement import corrected, freed_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
 from auricle.spectral.workers import Workers, slices
 from auricle.surface.mesh import Mesh
@@ -261,13 +262,14 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
         workers=workers,
         symbolic=symbolic,
     )
-    gap = _last_gap(refined.values, pairs)
+    found = refined.separation.values
+    gap = _last_gap(found, pairs)
     certificate = _certificate(
         refined, factorize(matrix, gap, symbolic=symbolic), operator=operator
     )
     certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
     _require_certificate(certificate)
-    values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, refined.values)
+    values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, found)
     modes = _modes(refined.rows, order, operator.areas, workers)
     return Harmonics(values, modes, operator.areas, operator.kind, certificate)
 
@@ -304,18 +306,19 @@ def _last_gap(values: PerMode, pairs: LowestPairs) -> float:
 
 
 def _certificate(
-    found: Refined, count: ShiftedFactorization, *, operator: Laplacian
+    found: Orthonormal, count: ShiftedFactorization, *, operator: Laplacian
 ) -> Certificate:
     """Of eigenpairs of the symmetrised matrix, whose eigenvalues `count` counts to the last gap."""
-    scale, n_modes = 4 * np.pi / operator.areas.sum(), len(found.values)
-    n_zero = int((found.values < _CLUSTER_GAP * scale).sum())
-    first = found.values[n_zero] if n_zero < n_modes else scale
+    values = found.separation.values
+    scale, n_modes = 4 * np.pi / operator.areas.sum(), len(values)
+    n_zero = int((values < _CLUSTER_GAP * scale).sum())
+    first = values[n_zero] if n_zero < n_modes else scale
     return Certificate(
         n_asked=n_modes,
         n_modes=n_modes,
         gap_per_mm2=count.shift,
         eigenvalues_below_gap=count.n_below,
-        largest_residual=float((found.residuals / np.maximum(found.values, first)).max()),
+        largest_residual=float(found.separation.relative_residuals(first).max()),
         largest_orthogonality_error=found.departure,
         n_zero_modes=n_zero,
         method="",

@@ -37,6 +37,11 @@ class Separation:
     residuals: PerMode
     hidden: float
 
+    def relative_residuals(self, least: float) -> PerMode:
+        """Residuals over eigenvalues; over `least` where these are smaller."""
+        relative: PerMode = self.residuals / np.maximum(self.values, least)
+        return relative
+
     def most(self, some: slice, lower: slice) -> float:
         """Largest inner product that vectors of two ranges can have; ∞ where nothing is known.
 

@@ -1,7 +1,5 @@
 """Eigenpairs brought to rounding: what the matrix leaves over of them is corrected for."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy import sparse
 from scipy.linalg import eigh
@@ -12,7 +10,7 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
-from auricle.spectral.orthonormal_rows import Separation, orthonormalized
+from auricle.spectral.orthonormal_rows import Orthonormal, Separation, orthonormalized
 from auricle.spectral.row_products import row_products, row_quotients
 from auricle.spectral.workers import Workers, slices
 
@@ -42,26 +40,6 @@ def rayleigh_quotients(
 
     workers.each(fill, slices(len(rows), _AT_ONCE))
     return values, residuals
-
-
-@dataclass(frozen=True, eq=False)
-class Refined:
-    """Approximate eigenvectors, with what the matrix makes of them.
-
-    Attributes
-    ----------
-    rows
-        Orthonormal, one a row, shape (k, n).
-    values, residuals
-        Rayleigh quotients, and norms of what is left over, shape (k,).
-    departure
-        Of the rows from orthonormal, as `orthonormalized` measured it.
-    """
-
-    rows: Floats
-    values: PerMode
-    residuals: PerMode
-    departure: float
 
 
 def freed_of_rounding(
@@ -104,7 +82,7 @@ def corrected(
     least: float,
     workers: Workers,
     symbolic: SymbolicFactorization | None = None,
-) -> Refined:
+) -> Orthonormal:
     """Orthonormal rows whose residual, relative to the eigenvalue, is below 8e-10 if it can be.
 
     First what rounding leaves is taken out of those that leave over more: it belongs to eigenvalues
@@ -133,7 +111,7 @@ def corrected(
         return Separation(*rayleigh_quotients(matrix, rows, guesses, workers), hidden)
 
     known = separated(rows, guesses)
-    relative = known.residuals / np.maximum(known.values, least)
+    relative = known.relative_residuals(least)
     if relative.max() > _ENOUGH:
         # Those nearly poor would be the next to be so.
         some = np.flatnonzero(relative > _NEARLY * _ENOUGH)
@@ -143,21 +121,18 @@ def corrected(
     found = orthonormalized(rows, known, separated, workers)
     before = np.inf
     for _ in range(_CORRECTIONS):
-        worst = float(
-            (found.separation.residuals / np.maximum(found.separation.values, least)).max()
-        )
+        worst = float(found.separation.relative_residuals(least).max())
         if worst <= _ENOUGH or worst > _PROGRESS * before:
             break
         before = worst
         values, rows = _rotated(matrix, found.rows, workers)
         known = separated(rows, values)
-        poor = np.flatnonzero(known.residuals > _ENOUGH * np.maximum(known.values, least))
+        poor = np.flatnonzero(known.relative_residuals(least) > _ENOUGH)
         for shift, some in _by_height(known.values, poor, least):
             factors = factorize(matrix, shift, symbolic=symbolic)
             rows = _solved_for(matrix, rows, some, factors, workers)
         found = orthonormalized(rows, separated(rows, known.values), separated, workers)
-    known = found.separation
-    return Refined(found.rows, known.values, known.residuals, found.departure)
+    return found
 
 
 def _rounding(matrix: sparse.csc_array) -> float:
