@@ -162,12 +162,13 @@ def _multiply_rows(triangle: Floats, rows: Floats) -> None:
 @compiled
 def _take_out(basis: Floats, block: Floats, coefficients: Floats) -> None:
     """Take the span of the basis out of `block`, and add what that was to `coefficients`."""
-    before, taken = squares(block), np.empty_like(coefficients)
+    taken = np.empty_like(coefficients)
     for _ in range(2):
         taken[:] = 0.0
         project(basis, block, taken)
         subtract(basis, taken, block)
         coefficients += taken
         # Twice is enough (Kahan, Parlett), and once where little cancelled.
-        if (squares(block) >= _CANCELLED**2 * before).all():
+        left = squares(block)
+        if (left >= _CANCELLED**2 * (left + (taken**2).sum(axis=0))).all():
             break

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
 from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, frozen, read_only
@@ -16,7 +15,7 @@ from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
 from auricle.spectral.orthonormal_rows import Orthonormal
 from auricle.spectral.power import Spectrum
-from auricle.spectral.refinement import corrected, freed_of_rounding
+from auricle.spectral.refinement import corrected, free_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
 from auricle.spectral.workers import Workers, slices
 from auricle.surface.mesh import Mesh
@@ -25,7 +24,7 @@ LARGEST_RESIDUAL = 1e-9
 LARGEST_ORTHOGONALITY_ERROR = 1e-10
 _DENSE_SIZE = 1_500
 _DENSE_SHARE = 1 / 4
-_DENSE_COPIES = 4
+_DENSE_COPIES = 5
 """Full matrices that LAPACK's divide and conquer holds at one time."""
 _CLUSTER_GAP = 1e-7
 _ROWS_AT_ONCE = 32
@@ -239,7 +238,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
         method = "dense LAPACK"
         require_memory(_DENSE_COPIES * 8 * n**2, f"{n_modes} harmonics of {n} vertices")
         workers.report("harmonics", 0, n_modes)
-        values, vectors = workers.result(workers.submit(eigh, matrix.toarray(), driver="evd"))
+        values, vectors = workers.result(workers.submit(np.linalg.eigh, matrix.toarray()))
         pairs = LowestPairs(values, vectors.T, np.inf, ())
     else:
         method = "block Lanczos with spectrum slicing"
@@ -254,19 +253,12 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
     n_returned = _end_of_cluster(pairs.values, n_modes, scale)
     least = _least(pairs.values, scale)
     values, vectors = pairs.values[:n_returned], pairs.vectors[:n_returned]
-    refined = corrected(
-        matrix,
-        freed_of_rounding(matrix, vectors, values, least=least),
-        values,
-        least=least,
-        workers=workers,
-        symbolic=symbolic,
-    )
+    gap = _last_gap(values, pairs)
+    counted = workers.submit(factorize, matrix, gap, symbolic=symbolic)
+    free_of_rounding(matrix, vectors, values, least=least)
+    refined = corrected(matrix, vectors, values, least=least, workers=workers, symbolic=symbolic)
     found = refined.separation.values
-    gap = _last_gap(found, pairs)
-    certificate = _certificate(
-        refined, factorize(matrix, gap, symbolic=symbolic), operator=operator
-    )
+    certificate = _certificate(refined, workers.result(counted), operator=operator)
     certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
     _require_certificate(certificate)
     values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, found)

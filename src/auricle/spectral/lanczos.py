@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy.linalg import eigh
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
@@ -14,8 +13,9 @@ from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_LEAST_LOST, _MOST_LOST = 1e-15, 2e-10
-"""How far a block is from orthogonal to the basis after all of it was looked at, and may be."""
+_LEAST_LOST, _MOST_LOST, _MOST_LEFT = 1e-15, 1e-7, 5e-12
+"""How far a block is from orthogonal to the basis once it was made so; how far one may be before
+that; and how far one that is left as it is."""
 _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
@@ -168,9 +168,9 @@ class LanczosRun:
 
         In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
         and every step that looks at the last two only enlarges that, by the ratio of the operator
-        to what is left of the image. Before it is too much all are taken out of the last block and
-        the image, which is what goes into the steps that follow (Simon 1984, partial
-        reorthogonalisation).
+        to what is left of the image. All are taken out of the last block and the image, which is
+        what goes into the steps that follow (Simon 1984, partial reorthogonalisation), as soon as
+        the last block has more of them than may stay in the basis.
         """
         block = self._effort.block
         image = self._basis[end : end + block]
@@ -182,20 +182,20 @@ class LanczosRun:
         sizes = lengths(image)
         before, last = self._lost
         self._lost = (last, last * self._scale / sizes.min() + before)
-        if not self._lost[1] < _MOST_LOST:
+        if not (self._lost[1] < _MOST_LOST and last < _MOST_LEFT):
             pair = self._basis[end - block : end + block]
             found = np.abs(orthogonalize(self._basis[: end - block], pair)[:, block:])
             orthogonalize(self._basis[end - block : end], image)
             # What was found tells how much rounding leaves in this run.
             excess = float((found.max(axis=0, initial=0.0) / sizes).max()) / self._lost[1]
-            self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LOST)
+            self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LEFT)
             self._lost = (self._least, self._least)
         return inside[-block:]
 
     def _ritz(self) -> tuple[Floats, Floats, Floats]:
         """Ritz values of the inverse, weights in the basis, and what couples these onwards."""
         size = self._n_steps * self._effort.block
-        inverses, rotations = eigh(self._projected[:size, :size], driver="evd")
+        inverses, rotations = np.linalg.eigh(self._projected[:size, :size])
         return inverses, rotations, self._coupling.T @ rotations[-self._effort.block :]
 
     def _converge(self) -> None:

@@ -19,7 +19,7 @@ from auricle.spectral.lanes import (
     total,
 )
 
-_STRIP, LANES = 2048, 8
+_STRIP, LANES = 3072, 8
 """Numbers of the few that are worked on at a time and stay in the cache; of a register."""
 
 
@@ -84,36 +84,38 @@ def _strip_length(block: Floats) -> int:
 
 
 @compiled
-def _ahead(tile: tuple[int, int], tiles: tuple[int, int], n: int, length: int) -> int:
-    """How far on in memory the vectors lie that come after this tile's; 0 if these remain.
+def _ahead(tile: tuple[int, int], tiles: tuple[int, int], n: int, length: int) -> tuple[int, int]:
+    """How far on in memory vectors lie that come after this tile's, and how many are to be read.
 
-    The processor is told while it still works on those at hand, and need not wait for them.
+    The processor is told while it still works on those at hand, and need not wait for them. The
+    next four are shared out among the tiles that have these, since not many reads wait at a time.
     """
     (m, q), (n_basis, n_block) = tile, tiles
-    if q + 4 < n_block:
-        return 0
-    return 4 * n if m + 4 < n_basis else length - m * n
+    n_each = -(-4 // (n_block // 4))
+    first = n_each * (q // 4)
+    if first >= 4:
+        return 0, 0
+    return (4 * n if m + 4 < n_basis else length - m * n) + first * n, n_each
 
 
 @compiled
 def _project_tile(
     vectors: tuple[Floats, Floats, int],
     places: tuple[int, int, int],
-    ahead: int,
+    ahead: tuple[int, int],
     sums: Floats,
     place: int,
 ) -> None:
     """Add four vectors' products with four others to sixteen registers' worth of sums."""
     numbers, others, n = vectors
-    i, k, length = places
+    (i, k, length), (distance, n_each) = places, ahead
     zero = eight(0.0)
     a0, a1, a2, a3 = zero, zero, zero, zero
     b0, b1, b2, b3 = zero, zero, zero, zero
     c0, c1, c2, c3 = zero, zero, zero, zero
     d0, d1, d2, d3 = zero, zero, zero, zero
     for _ in range(0, length, LANES):
-        if ahead:
-            _prefetch_four(numbers, i + ahead, n)
+        _prefetch_some(numbers, i + distance, n, n_each)
         x0, x1 = load(zero, others, k), load(zero, others, k + n)
         x2, x3 = load(zero, others, k + 2 * n), load(zero, others, k + 3 * n)
         a, b = load(zero, numbers, i), load(zero, numbers, i + n)
@@ -134,11 +136,15 @@ def _project_tile(
 
 
 @compiled
-def _prefetch_four(numbers: Floats, place: int, apart: int) -> None:
-    prefetch(numbers, place)
-    prefetch(numbers, place + apart)
-    prefetch(numbers, place + 2 * apart)
-    prefetch(numbers, place + 3 * apart)
+def _prefetch_some(numbers: Floats, place: int, apart: int, count: int) -> None:
+    """Of one, two or four vectors, or none."""
+    if count > 0:
+        prefetch(numbers, place)
+    if count > 1:
+        prefetch(numbers, place + apart)
+    if count > 2:
+        prefetch(numbers, place + 2 * apart)
+        prefetch(numbers, place + 3 * apart)
 
 
 @compiled
@@ -184,20 +190,19 @@ def subtract(basis: Floats, coefficients: Floats, block: Floats) -> None:
 def _subtract_tile(
     vectors: tuple[Floats, Floats, int],
     places: tuple[int, int, int],
-    ahead: int,
+    ahead: tuple[int, int],
     coefficients: Floats,
     tile: tuple[int, int],
 ) -> None:
     """Take four vectors' parts out of four others, along a strip of whole registers."""
     numbers, others, n = vectors
-    (i, k, length), (m, q) = places, tile
+    (i, k, length), (m, q), (distance, n_each) = places, tile, ahead
     a0, a1, a2, a3 = _minus_four(coefficients, m, q)
     b0, b1, b2, b3 = _minus_four(coefficients, m + 1, q)
     c0, c1, c2, c3 = _minus_four(coefficients, m + 2, q)
     d0, d1, d2, d3 = _minus_four(coefficients, m + 3, q)
     for _ in range(0, length, LANES):
-        if ahead:
-            _prefetch_four(numbers, i + ahead, n)
+        _prefetch_some(numbers, i + distance, n, n_each)
         v0, v1 = load(a0, numbers, i), load(a0, numbers, i + n)
         v2, v3 = load(a0, numbers, i + 2 * n), load(a0, numbers, i + 3 * n)
         _take_four(others, k, (v0, v1, v2, v3), (a0, b0, c0, d0))

@@ -2,7 +2,6 @@
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import eigh
 
 from auricle.arrays import Floats, Integers, PerMode
 from auricle.spectral.factorization import (
@@ -42,15 +41,14 @@ def rayleigh_quotients(
     return values, residuals
 
 
-def freed_of_rounding(
+def free_of_rounding(
     matrix: sparse.csc_array, rows: Floats, values: PerMode, *, least: float
-) -> Floats:
-    """Rows without what rounding put into them, where the matrix would make much of it.
+) -> None:
+    """Take out of rows, in place, what rounding put into them where the matrix makes much of it.
 
     An entry of an iteration's vector is right to rounding of the vector's length and not of its
     own size. At the few vertices of very little area the matrix is large, and there that shows.
-    What belongs there follows from all other entries by a small system of equations. Rows are
-    returned as they are where there are no such vertices.
+    What belongs there follows from all other entries by a small system of equations.
 
     Parameters
     ----------
@@ -65,13 +63,12 @@ def freed_of_rounding(
     loud = np.finfo(float).eps * diagonal > _NEARLY * _ENOUGH * least
     places = np.flatnonzero(loud & (diagonal > _EXCEPTIONAL * np.median(diagonal)))
     if not len(places):
-        return rows
+        return
     columns = sparse.csc_array(matrix[:, places])
-    left_over = columns.T @ rows.T - values * rows[:, places].T
+    around = np.unique(columns.indices)
+    left_over = columns[around].T @ rows[:, around].T - values * rows[:, places].T
     factors = factorize(sparse.csc_array(columns[places]), 0.0)
-    better = rows.copy()
-    better[:, places] -= factors.solve(left_over).T
-    return better
+    rows[:, places] -= factors.solve(left_over).T
 
 
 def corrected(
@@ -170,7 +167,7 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> tuple[
         products[some] = row_products(matrix, rows[some]) @ rows.T
 
     workers.each(fill, slices(len(rows), _AT_ONCE))
-    values, rotation = eigh(0.5 * (products + products.T))
+    values, rotation = np.linalg.eigh(0.5 * (products + products.T))
     return values, rotation.T @ rows
 
 

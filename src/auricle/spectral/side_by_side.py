@@ -19,8 +19,17 @@ def set_side_by_side(rows: Floats, order: Integers, columns: Floats, lanes: int)
     lanes
         How many entries lie side by side.
     """
-    fours = len(rows) - len(rows) % 4
-    for j in range(0, fours, 4):
+    eights, fours = len(rows) - len(rows) % 8, len(rows) - len(rows) % 4
+    for j in range(0, eights, 8):
+        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
+        e, f, g, h = rows[j + 4], rows[j + 5], rows[j + 6], rows[j + 7]
+        for i in range(len(order)):
+            place, k = i * lanes + j, order[i]
+            columns[place], columns[place + 1] = a[k], b[k]
+            columns[place + 2], columns[place + 3] = c[k], d[k]
+            columns[place + 4], columns[place + 5] = e[k], f[k]
+            columns[place + 6], columns[place + 7] = g[k], h[k]
+    for j in range(eights, fours, 4):
         a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
         for i in range(len(order)):
             place, k = i * lanes + j, order[i]
@@ -34,8 +43,17 @@ def set_side_by_side(rows: Floats, order: Integers, columns: Floats, lanes: int)
 @compiled
 def set_apart(columns: Floats, lanes: int, order: Integers, rows: Floats) -> None:
     """Undo `set_side_by_side`."""
-    fours = len(rows) - len(rows) % 4
-    for j in range(0, fours, 4):
+    eights, fours = len(rows) - len(rows) % 8, len(rows) - len(rows) % 4
+    for j in range(0, eights, 8):
+        a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
+        e, f, g, h = rows[j + 4], rows[j + 5], rows[j + 6], rows[j + 7]
+        for i in range(len(order)):
+            place, k = i * lanes + j, order[i]
+            a[k], b[k] = columns[place], columns[place + 1]
+            c[k], d[k] = columns[place + 2], columns[place + 3]
+            e[k], f[k] = columns[place + 4], columns[place + 5]
+            g[k], h[k] = columns[place + 6], columns[place + 7]
+    for j in range(eights, fours, 4):
         a, b, c, d = rows[j], rows[j + 1], rows[j + 2], rows[j + 3]
         for i in range(len(order)):
             place, k = i * lanes + j, order[i]

@@ -29,14 +29,16 @@ _SEARCH_BLOCK, _WIDEST_BLOCK = 8, 32
 
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
-_UNTIL_FIRST, _AT_THE_BOTTOM = 16, 7
-"""Blocks before the first pair converges, fewer where nothing lies further down; each further pair
-takes `VECTORS_PER_PAIR` vectors."""
+_UNTIL_FIRST, _LARGE_UNTIL_FIRST, _AT_THE_BOTTOM = 16, 15, 7
+"""Blocks before the first pair converges, fewer on a large surface (there to its tolerance) and
+where nothing lies further down; each further pair takes `VECTORS_PER_PAIR` vectors."""
 _MOST_VECTORS, _SEARCH_STEPS = 800, 40
 """Length of a run: at most, in vectors; and of a search, in blocks."""
 _MARGIN = 4
 """Pairs more than needed, half of them each way, that let neighbouring runs overlap."""
-_TOLERANCE = 1e-11
+_TOLERANCE, _LARGE_TOLERANCE = 1e-11, 1e-10
+"""Of pairs that count as converged. On a large surface rounding leaves as much anyway; on others
+neighbouring runs' vectors would be less orthogonal than may be left alone."""
 _GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
 """Blocks after which a run is looked at for an eigenvalue next to its shift; share of the mean
 spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
@@ -281,12 +283,14 @@ def _search(
 
 
 def _effort(factors: ShiftedFactorization, n_pairs: int) -> Effort:
-    block = _BLOCK if factors.size < _LARGE else _LARGE_BLOCK
+    block, until_first, tolerance = _BLOCK, _UNTIL_FIRST, _TOLERANCE
+    if factors.size >= _LARGE:
+        block, until_first, tolerance = _LARGE_BLOCK, _LARGE_UNTIL_FIRST, _LARGE_TOLERANCE
     most = min(_MOST_VECTORS, factors.size // 2) // block
     at_the_bottom = factors.n_below <= n_pairs // 2 + _MARGIN
-    first = _AT_THE_BOTTOM if at_the_bottom else _UNTIL_FIRST
+    first = _AT_THE_BOTTOM if at_the_bottom else until_first
     first += int(VECTORS_PER_PAIR * n_pairs) // block
-    return Effort(block, min(first, most), most, _TOLERANCE)
+    return Effort(block, min(first, most), most, tolerance)
 
 
 def _search_effort(factors: ShiftedFactorization, block: int) -> Effort:

@@ -21,6 +21,10 @@ from auricle.spectral.side_by_side import set_apart, set_side_by_side
 
 _NARROW, _WIDE, _AT_ONCE = 4, 8, 16
 """Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
+_AGAIN = 5
+"""Of eight lines so many at most are gone through again, where fewer than eight are left."""
+_AHEAD = 8192
+"""By how many numbers panels are asked for before they are used."""
 
 
 def substitute(plan: EliminationPlan, panels: Floats, right: Floats, solutions: Floats) -> None:
@@ -86,11 +90,16 @@ def _forward(
     p = _under(plan, s)
     row, end = plan.row_start[s], plan.row_start[s + 1]
     ahead = _under(plan, min(s + 1, len(plan.parent) - 1))
-    while row + 8 <= end:
+    while row < end:
+        again = max(row + 8 - end, 0)
+        if again > min(_AGAIN, row - plan.row_start[s]):
+            break
+        row, p = row - again, p - again * n_columns
         places = (p, n_columns, 1, ahead)
         sums = _eight_dots(panels, places, n_columns, (columns, known, n_right), zero)
         for i in range(8):
-            _take(columns, plan.rows[row + i] * n_right + side, sums[i])
+            if i >= again:
+                _take(columns, plan.rows[row + i] * n_right + side, sums[i])
         row, p, ahead = row + 8, p + 8 * n_columns, ahead + 8 * n_columns
     while row < end:
         rest = _dot(panels, p, 1, n_columns, (columns, known, n_right), zero)
@@ -135,8 +144,12 @@ def _backward(
     first, n_columns = plan.first_column[s], plan.first_column[s + 1] - plan.first_column[s]
     height = n_columns + plan.row_start[s + 1] - plan.row_start[s]
     target, k = first * n_right + side, 0
-    ahead = plan.panel_start[max(s - 1, 0)]
-    while k + 8 <= n_columns:
+    ahead = plan.panel_start[s] - _AHEAD
+    while k < n_columns:
+        again = max(k + 8 - n_columns, 0)
+        if again > min(_AGAIN, k):
+            break
+        k, target = k - again, target - again * n_right
         p = plan.panel_start[s] + k
         places = (p, 1, n_columns, ahead)
         sums = _eight_dots(panels, places, height, (room, 0, width(zero)), zero)
