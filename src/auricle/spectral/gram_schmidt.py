@@ -168,7 +168,8 @@ def _take_out(basis: Floats, block: Floats, coefficients: Floats) -> None:
         project(basis, block, taken)
         subtract(basis, taken, block)
         coefficients += taken
-        # Twice is enough (Kahan, Parlett), and once where little cancelled.
+        # Twice is enough (Kahan, Parlett), and once where little cancelled. What was taken is
+        # orthogonal to what is left, so that their squares add up to those before.
         left = squares(block)
         if (left >= _CANCELLED**2 * (left + (taken**2).sum(axis=0))).all():
             break

@@ -170,7 +170,7 @@ class LanczosRun:
         and every step that looks at the last two only enlarges that, by the ratio of the operator
         to what is left of the image. All are taken out of the last block and the image, which is
         what goes into the steps that follow (Simon 1984, partial reorthogonalisation), as soon as
-        the last block has more of them than may stay in the basis.
+        the last block has more of them than may stay in the basis, or the image far more.
         """
         block = self._effort.block
         image = self._basis[end : end + block]

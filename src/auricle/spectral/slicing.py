@@ -21,24 +21,25 @@ from auricle.spectral.memory import require_memory
 from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts, widest_gap
 from auricle.spectral.workers import Workers
 
-_BLOCK, _LARGE_BLOCK, _LARGE = 4, 8, 60_000
-"""Width of a run's block, and from how many vertices on it is another: where factors are far from
-the processor, it is worth more to read them less often than to make few vectors."""
+_TOLERANCE = 1e-11
+"""Of pairs that count as converged."""
+_RUN, _LARGE_RUN, _LARGE = (4, 16, _TOLERANCE), (8, 15, 1e-10), 60_000
+"""Of a run: width of its block, blocks before the first pair converges, tolerance; and from how
+many vertices on they are others. There factors are far from the processor, so that to read them
+less often is worth more than to make few vectors; and rounding leaves as much as that tolerance.
+"""
 _SEARCH_BLOCK, _WIDEST_BLOCK = 8, 32
 """Width in searches for what is missing, which widens.
 
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
-_UNTIL_FIRST, _LARGE_UNTIL_FIRST, _AT_THE_BOTTOM = 16, 15, 7
-"""Blocks before the first pair converges, fewer on a large surface (there to its tolerance) and
-where nothing lies further down; each further pair takes `VECTORS_PER_PAIR` vectors."""
+_AT_THE_BOTTOM = 7
+"""Blocks before the first pair converges where nothing lies further down; each further pair takes
+`VECTORS_PER_PAIR` vectors."""
 _MOST_VECTORS, _SEARCH_STEPS = 800, 40
 """Length of a run: at most, in vectors; and of a search, in blocks."""
 _MARGIN = 4
 """Pairs more than needed, half of them each way, that let neighbouring runs overlap."""
-_TOLERANCE, _LARGE_TOLERANCE = 1e-11, 1e-10
-"""Of pairs that count as converged. On a large surface rounding leaves as much anyway; on others
-neighbouring runs' vectors would be less orthogonal than may be left alone."""
 _GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
 """Blocks after which a run is looked at for an eigenvalue next to its shift; share of the mean
 spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
@@ -283,9 +284,7 @@ def _search(
 
 
 def _effort(factors: ShiftedFactorization, n_pairs: int) -> Effort:
-    block, until_first, tolerance = _BLOCK, _UNTIL_FIRST, _TOLERANCE
-    if factors.size >= _LARGE:
-        block, until_first, tolerance = _LARGE_BLOCK, _LARGE_UNTIL_FIRST, _LARGE_TOLERANCE
+    block, until_first, tolerance = _RUN if factors.size < _LARGE else _LARGE_RUN
     most = min(_MOST_VECTORS, factors.size // 2) // block
     at_the_bottom = factors.n_below <= n_pairs // 2 + _MARGIN
     first = _AT_THE_BOTTOM if at_the_bottom else until_first

@@ -24,7 +24,7 @@ _NARROW, _WIDE, _AT_ONCE = 4, 8, 16
 _AGAIN = 5
 """Of eight lines so many at most are gone through again, where fewer than eight are left."""
 _AHEAD = 8192
-"""By how many numbers panels are asked for before they are used."""
+"""By how many numbers panels are asked for before they are used, on the way back."""
 
 
 def substitute(plan: EliminationPlan, panels: Floats, right: Floats, solutions: Floats) -> None:
