@@ -94,7 +94,8 @@ def share(chamber: Chamber, sites: Sites, values: Floats) -> float:
     variances = matern_variances(chamber.basis, length=20.0)
     at_samples, alike = sites.of(chamber.basis.modes), np.ones(len(sites))
     spectrum = SampleSpectrum.of(at_samples, variances, alike, length=20.0)
-    fit = spectrum.fit(values, Belief(float(values.std()), 0.1, 1.0))
+    spread = float(np.sqrt(values.var(axis=0).mean()))  # the same however values are turned
+    fit = spectrum.fit(values, Belief(spread, 0.1, 1.0))
     found = GaussianProcess(chamber, sites, n_modes=chamber.basis.n_modes).given(
         values, Hyperparameters(20.0, fit.amplitude, fit.noise)
     )

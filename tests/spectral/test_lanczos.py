@@ -33,13 +33,14 @@ def test_vectors_stay_orthonormal_also_where_an_eigenvalue_lies_next_to_the_shif
     np.testing.assert_allclose(near, np.arange(670.0, 731.0), atol=1e-9)
 
 
-@pytest.mark.parametrize(("most_left", "kept"), [(lanczos._MOST_LEFT, True), (np.inf, False)])
+@pytest.mark.parametrize(("most_left", "kept"), [(lanczos._MOST_LEFT, True), (1e-7, False)])
 def test_what_stays_in_the_basis_is_orthogonal(rng, monkeypatch, most_left, kept) -> None:
-    """Blocks that nothing is taken out of any more: by the rule, and not without it."""
+    """Blocks that nothing is taken out of any more: by the rule, and not by a looser one."""
+    allowed = lanczos._MOST_LEFT
     monkeypatch.setattr(lanczos, "_MOST_LEFT", most_left)
-    rows = run_near(700.5, rng)._basis[:240, :2000]
+    rows = run_near(700.5, rng)._basis[:60].swapaxes(1, 2).reshape(240, 2000)
     departure = np.abs(rows @ rows.T - np.eye(len(rows))).max()
-    assert (departure < 1e-12) == kept
+    assert (departure < allowed) == kept
 
 
 def test_the_whole_basis_is_looked_at_only_when_rounding_asks_for_it(rng, monkeypatch) -> None:
@@ -58,6 +59,5 @@ def test_the_whole_basis_is_looked_at_only_when_rounding_asks_for_it(rng, monkey
 
 def test_never_looking_at_the_whole_basis_finds_eigenvalues_twice(rng, monkeypatch) -> None:
     """What the rule is for: without it the truths above fail."""
-    monkeypatch.setattr(lanczos, "_MOST_LOST", np.inf)
     monkeypatch.setattr(lanczos, "_MOST_LEFT", np.inf)
     assert np.diff(run_near(700.04, rng).values).min() < 0.5

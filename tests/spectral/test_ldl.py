@@ -11,8 +11,7 @@ from scipy.sparse.linalg import splu
 
 from auricle.errors import SolverError
 from auricle.spectral import factorization, ldl, substitution
-from auricle.spectral.factorization import analyze, factorize
-from auricle.spectral.gram_schmidt import aligned_rows
+from auricle.spectral.factorization import analyze, factorize, in_order
 from auricle.spectral.laplacian import laplacian
 from auricle.surface.cleaning import clean
 from auricle.surface.mesh import Mesh
@@ -283,15 +282,34 @@ def test_the_memory_foretold_is_the_memory_of_the_factors() -> None:
 
 
 @pytest.mark.parametrize("refined_above", [np.inf, 0.0])
-def test_rows_are_solved_for_in_place_as_columns_are(rng, monkeypatch, refined_above) -> None:
+@pytest.mark.parametrize("lanes", [4, 8])
+@pytest.mark.parametrize("ordered", [False, True])
+def test_a_group_is_solved_for_as_columns_are(
+    rng, monkeypatch, refined_above, lanes, ordered
+) -> None:
     monkeypatch.setattr(factorization, "_REFINED_ABOVE", refined_above)
-    matrix = laplacian(icosphere(radius=1.0, subdivisions=2)).stiffness.tocsc()
-    factors = factorize(sparse.csc_array(matrix), 0.3)
-    right, solutions = aligned_rows(5, factors.size), aligned_rows(5, factors.size)
-    right[:] = rng.standard_normal(right.shape)
-    solutions[:] = 7.0
-    factors.solve_rows(right, solutions)
-    own = slice(0, factors.size)
-    np.testing.assert_array_equal(solutions[:, own], factors.solve(right[:, own].T).T)
-    # What fills the rows up is left.
-    assert (solutions[:, factors.size :] == 7.0).all()
+    matrix = sparse.csc_array(laplacian(icosphere(radius=1.0, subdivisions=2)).stiffness)
+    symbolic = analyze(matrix)
+    if ordered:
+        matrix, symbolic = in_order(matrix, symbolic)
+    factors = factorize(matrix, 0.3, symbolic=symbolic)
+    right = rng.standard_normal((factors.size, lanes))
+    solution = np.empty_like(right)
+    factors.solve_group(right, solution)
+    np.testing.assert_array_equal(solution, factors.solve(right))
+    np.testing.assert_allclose(matrix @ solution - 0.3 * solution, right, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_a_matrix_in_order_of_elimination_has_the_same_factors(name) -> None:
+    matrix = symmetrized(SHAPES[name])
+    symbolic = analyze(matrix)
+    ordered, same = in_order(matrix, symbolic)
+    order = symbolic.plan.order
+    np.testing.assert_array_equal(ordered.toarray(), matrix.toarray()[np.ix_(order, order)])
+    assert same.fits(ordered)
+    factors, reordered = (
+        factorize(matrix, 0.1, symbolic=symbolic),
+        factorize(ordered, 0.1, symbolic=same),
+    )
+    np.testing.assert_array_equal(reordered._panels, factors._panels)

@@ -9,6 +9,7 @@ from auricle.spectral import slicing
 from auricle.spectral.factorization import factorize
 from auricle.spectral.lanczos import LanczosRun
 from auricle.spectral.laplacian import laplacian
+from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.slicing import lowest_eigenpairs
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
@@ -126,7 +127,7 @@ def test_a_shift_next_to_an_eigenvalue_is_moved_after_a_few_steps(rng, monkeypat
     monkeypatch.setattr(LanczosRun, "_extend", noted)
     near = factorize(matrix, 30.001)
     wanted = slicing._run(near, rng, lambda _: lambda values: 0 if len(values) > 20 else 20,
-                          lambda: None, move)  # fmt: skip
+                          lambda: None, move, aligned_groups(101, 2000, 8))  # fmt: skip
     (better,) = moved
     assert abs(better - round(better)) == pytest.approx(0.5, abs=0.05)
     assert [steps for shift, steps in extended if shift == near.shift] == [slicing._GLANCE]

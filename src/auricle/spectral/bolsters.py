@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from auricle.arrays import Floats, Integers
-from auricle.spectral.gram_schmidt import add_multiples, aligned_rows
+from auricle.compiled import compiled
+from auricle.spectral.lanes import Lanes, added_multiple, eight, four, load, store, width
 
+_AT_ONCE = 8
 _SINGULAR = 1e-10
 """Eigenvalue of what is inverted, in units of the inverse bolsters, that counts as none."""
 
@@ -26,7 +28,7 @@ class Bolstered:
     places
         Bolstered rows, shape (r,).
     influences
-        Z, one a row, as of `aligned_rows`, with 0 beyond: shape (r, n or more).
+        Z, shape (n, r), contiguous.
     inverse
         C⁻¹, shape (r, r).
     n_negative
@@ -44,19 +46,22 @@ class Bolstered:
     n_negative: int
 
     @classmethod
-    def of(cls, bolsters: Floats, solve: Callable[[Floats, Floats], None]) -> "Bolstered | None":
+    def of(cls, bolsters: Floats, solve: Callable[[Floats], None]) -> "Bolstered | None":
         """From what was added to the diagonal, shape (n,), and solves with the factors.
 
-        `solve` is given right-hand sides and room for solutions, one a row, shape (r, n or more).
-        None where the matrix is singular to rounding.
+        `solve` turns right-hand sides, shape (n, 8), into solutions in place. None where the matrix
+        is singular to rounding.
         """
         places = np.flatnonzero(bolsters)
-        units, influences = (aligned_rows(len(places), len(bolsters)) for _ in range(2))
-        units[:], influences[:] = 0.0, 0.0
-        units[np.arange(len(places)), places] = 1.0
+        influences = np.empty((len(bolsters), len(places)))
+        for first in range(0, len(places), _AT_ONCE):
+            some = places[first : first + _AT_ONCE]
+            units = np.zeros((len(bolsters), _AT_ONCE))
+            units[some, np.arange(len(some))] = 1.0
+            solve(units)
+            influences[:, first : first + len(some)] = units[:, : len(some)]
         bolsters = bolsters[places]
-        solve(units, influences)
-        beside = influences[:, places]
+        beside = influences[places]
         roots = np.sqrt(np.abs(bolsters))
         scaled = np.diag(np.sign(bolsters)) - roots[:, None] * (beside + beside.T) / 2 * roots
         eigenvalues, vectors = np.linalg.eigh(scaled)
@@ -67,9 +72,34 @@ class Bolstered:
         return cls(places, influences, inverse, n_negative)
 
     def take_out_of(self, solutions: Floats) -> None:
-        """Turn solutions with the factored matrix into the matrix's, one a row.
-
-        As many numbers each as `influences`.
-        """
+        """Turn solutions with the factored matrix into the matrix's, shape (n, 4, 8 or 16)."""
         if len(self.places):
-            add_multiples(solutions, solutions[:, self.places] @ self.inverse, self.influences)
+            factors = self.inverse @ solutions[self.places]
+            if solutions.shape[1] == 4:
+                _add_four(self.influences, factors, solutions)
+            else:
+                _add_eight(self.influences, factors, solutions)
+
+
+@compiled
+def _add_four(influences: Floats, factors: Floats, solutions: Floats) -> None:
+    _add(influences, factors, solutions, four(0.0))
+
+
+@compiled
+def _add_eight(influences: Floats, factors: Floats, solutions: Floats) -> None:
+    _add(influences, factors, solutions, eight(0.0))
+
+
+@compiled
+def _add(influences: Floats, factors: Floats, solutions: Floats, zero: Lanes) -> None:
+    """Add influences·factors to the solutions."""
+    (n, count), n_right = influences.shape, solutions.shape[1]
+    numbers, sums, multiples = influences.reshape(-1), solutions.reshape(-1), factors.reshape(-1)
+    for i in range(n):
+        for side in range(0, n_right, width(zero)):
+            total = load(zero, sums, i * n_right + side)
+            for k in range(count):
+                own = load(zero, multiples, k * n_right + side)
+                total = added_multiple(total, numbers, i * count + k, own)
+            store(total, sums, i * n_right + side)

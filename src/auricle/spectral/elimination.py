@@ -108,6 +108,15 @@ def elimination_plan(matrix: sparse.csc_array, order: Integers) -> EliminationPl
     )
 
 
+def plan_in_order(plan: EliminationPlan, ordered: sparse.csc_array) -> EliminationPlan:
+    """The same plan for the matrix whose rows and columns are in the plan's order already."""
+    pattern = _ordered(ordered, np.arange(len(plan.order)))
+    entry_start, source, target = _entries(pattern, plan.first_column, plan.row_start, plan.rows)
+    return plan._replace(
+        order=pattern.order, entry_start=entry_start, entry_source=source, entry_target=target
+    )
+
+
 def _ordered(matrix: sparse.csc_array, order: Integers) -> OrderedPattern:
     starts, neighbours = matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64)
     return OrderedPattern(starts, neighbours, order, _inverse(order))

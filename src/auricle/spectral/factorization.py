@@ -7,16 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from auricle.arrays import Floats, Integers
+from auricle.arrays import Floats
 from auricle.compiled import compiled
 from auricle.errors import SolverError
 from auricle.spectral.bolsters import Bolstered
-from auricle.spectral.elimination import EliminationPlan, elimination_plan
-from auricle.spectral.gram_schmidt import aligned_rows
+from auricle.spectral.elimination import EliminationPlan, elimination_plan, plan_in_order
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
-from auricle.spectral.row_products import row_products
-from auricle.spectral.substitution import substitute
+from auricle.spectral.substitution import AT_ONCE, NARROW, WIDE, substitute
 
 _GROWTHS, _MOST_BOLSTERS = (50.0, 1e3, 1e5, np.inf), 64
 """Largest entries that L may have: the first for which not more pivots are bolstered than is cheap
@@ -56,15 +54,13 @@ class SymbolicFactorization:
         )
 
 
-def analyze(matrix: sparse.csc_array, order: Integers | None = None) -> SymbolicFactorization:
+def analyze(matrix: sparse.csc_array) -> SymbolicFactorization:
     """Order and plan the factorisation of a symmetric matrix; its values do not matter.
 
     Parameters
     ----------
     matrix
         Both triangles stored, shape (n, n).
-    order
-        To eliminate its rows in, shape (n,); found by nested dissection unless given.
 
     Raises
     ------
@@ -76,8 +72,30 @@ def analyze(matrix: sparse.csc_array, order: Integers | None = None) -> Symbolic
         raise SolverError(
             f"a matrix of shape {matrix.shape} is not symmetric: store both of its triangles"
         )
-    order = nested_dissection(matrix) if order is None else order
-    plan = elimination_plan(matrix, order)
+    return _symbolic(matrix, elimination_plan(matrix, nested_dissection(matrix)))
+
+
+def in_order(
+    matrix: sparse.csc_array, symbolic: SymbolicFactorization
+) -> tuple[sparse.csc_array, SymbolicFactorization]:
+    """The matrix with its rows and columns in the order of elimination, and the analysis of that.
+
+    There neighbours lie side by side, and solves need not look for them.
+
+    Examples
+    --------
+    >>> path = sparse.csc_array(sparse.diags_array([np.ones(50)] * 2, offsets=[-1, 1]))
+    >>> _, symbolic = in_order(path, analyze(path))
+    >>> bool((symbolic.plan.order == np.arange(51)).all())
+    True
+    """
+    order = symbolic.plan.order
+    ordered = sparse.csc_array(matrix[order][:, order])
+    ordered.sort_indices()
+    return ordered, _symbolic(ordered, plan_in_order(symbolic.plan, ordered))
+
+
+def _symbolic(matrix: sparse.csc_array, plan: EliminationPlan) -> SymbolicFactorization:
     return SymbolicFactorization(plan, matrix.indptr.copy(), matrix.indices.copy())
 
 
@@ -121,12 +139,11 @@ class ShiftedFactorization:
     def __post_init__(self) -> None:
         right = np.random.default_rng(0).standard_normal(self.size)
         solution = self.solve(right, refine=False)
-        residual = self._residuals(np.atleast_2d(right), np.atleast_2d(solution))[0]
         sizes = _products_of_magnitudes(
             self._matrix.indptr, self._matrix.indices, self._matrix.data, solution
         )
         sizes += abs(self.shift) * np.abs(solution)
-        errors = np.abs(residual) / (sizes + np.abs(right))
+        errors = np.abs(self._residual(right, solution)) / (sizes + np.abs(right))
         object.__setattr__(self, "backward_error", float(errors.max()))
 
     @property
@@ -141,40 +158,50 @@ class ShiftedFactorization:
         more, at twice the time; unless told, where `backward_error` is more than 1e-11.
         """
         columns = right.reshape(self.size, -1)
-        rows, solutions = (aligned_rows(columns.shape[1], self.size) for _ in range(2))
-        rows[:, : self.size] = columns.T
-        self._substitute(rows, solutions)
-        if refine or (refine is None and self._is_rough):
-            self._refine(rows, solutions)
-        return solutions[:, : self.size].T.reshape(right.shape)
+        solution = np.empty_like(columns, dtype=np.float64)
+        for first in range(0, columns.shape[1], AT_ONCE):
+            some = columns[:, first : first + AT_ONCE]
+            n_right = some.shape[1]
+            n_solved = NARROW if n_right <= NARROW else -(-n_right // WIDE) * WIDE
+            padded = np.zeros((self.size, n_solved))
+            padded[:, :n_right] = some
+            solved = np.empty_like(padded)
+            self._solve(padded, solved, refine=self._is_rough if refine is None else refine)
+            solution[:, first : first + AT_ONCE] = solved[:, :n_right]
+        return solution.reshape(right.shape)
 
-    def solve_rows(self, right: Floats, solutions: Floats) -> None:
-        """Set `solutions` to what `solve` gives, in place.
-
-        Both one a row, shape (b, n or more), and as wide as `aligned_rows` makes rows of n.
-        """
-        self._substitute(right, solutions)
-        if self._is_rough:
-            self._refine(right, solutions)
+    def solve_group(self, right: Floats, solution: Floats) -> None:
+        """Set `solution` to what `solve` gives; both of shape (n, 4 or 8), contiguous."""
+        self._solve(right, solution, refine=self._is_rough)
 
     @property
     def _is_rough(self) -> bool:
         return self.backward_error > _REFINED_ABOVE
 
-    def _substitute(self, right: Floats, solutions: Floats) -> None:
-        substitute(self._plan, self._panels, right, solutions)
-        self._bolstered.take_out_of(solutions)
+    def _solve(self, right: Floats, solution: Floats, *, refine: bool) -> None:
+        self._substitute(right, solution)
+        if refine:
+            change = np.empty_like(solution)
+            self._substitute(self._residual(right, solution), change)
+            solution += change
 
-    def _refine(self, right: Floats, solutions: Floats) -> None:
-        residuals, changes = np.zeros_like(right), np.zeros_like(right)
-        residuals[:, : self.size] = self._residuals(right, solutions)
-        self._substitute(residuals, changes)
-        solutions[:, : self.size] += changes[:, : self.size]
+    def _substitute(self, right: Floats, solution: Floats) -> None:
+        order = self._plan.order
+        if np.array_equal(order, np.arange(len(order))):
+            solution[:] = right
+            self._substitute_in_order(solution)
+        else:
+            columns = right[order]
+            self._substitute_in_order(columns)
+            solution[order] = columns
 
-    def _residuals(self, right: Floats, solutions: Floats) -> Floats:
-        own = solutions[:, : self.size]
-        residuals: Floats = right[:, : self.size] - row_products(self._matrix, own)
-        return residuals + self.shift * own
+    def _substitute_in_order(self, columns: Floats) -> None:
+        substitute(self._plan, self._panels, columns)
+        self._bolstered.take_out_of(columns)
+
+    def _residual(self, right: Floats, solution: Floats) -> Floats:
+        residual: Floats = right - self._matrix @ solution + self.shift * solution
+        return residual
 
 
 def factorize(
@@ -240,11 +267,9 @@ def _factored(
         eliminated = eliminate(plan, data, shift, magnitudes, growth=growth)
         if eliminated is None:
             return None
-        panels, n_negative, in_order = eliminated
-        if np.count_nonzero(in_order) <= _MOST_BOLSTERS:
+        panels, n_negative, bolsters = eliminated
+        if np.count_nonzero(bolsters) <= _MOST_BOLSTERS:
             break
-    bolsters = np.zeros_like(in_order)
-    bolsters[plan.order] = in_order
     bolstered = Bolstered.of(bolsters, partial(substitute, plan, panels))
     if bolstered is None:
         return None

@@ -1,11 +1,13 @@
-"""Gram-Schmidt for blocks: vectors made orthogonal to a basis, and to each other."""
+"""Gram-Schmidt for blocks: vectors made orthogonal to a basis, and to each other.
+
+Vectors are in groups, as `auricle.spectral.narrow_products` takes them.
+"""
 
 import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import added_product, eight, load, store
-from auricle.spectral.narrow_products import LANES, project, squares, subtract
+from auricle.spectral.narrow_products import Groups, combine, project, squares, subtract
 
 _CANCELLED = 1e-3
 _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
@@ -13,71 +15,67 @@ _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
 right to rounding at the first attempt."""
 
 
-def orthogonalize(basis: Floats, block: Floats) -> Floats:
+def orthogonalize(basis: Groups, block: Groups) -> Floats:
     """Take out of `block`, in place, what lies in the span of `basis`; returns what that was.
 
     Parameters
     ----------
     basis
-        Orthonormal vectors, one a row, shape (m, n); m may be 0.
+        Orthonormal vectors, and zeros maybe, shape (g, n, lanes); g may be 0.
     block
-        Vectors, one a row, shape (b, n), changed in place.
+        Vectors, shape (h, n, lanes), changed in place.
 
     Returns
     -------
     Floats
-        Coefficients of `block` in the basis, shape (m, b).
+        Coefficients of `block` in the basis, shape (g·lanes, h·lanes).
 
     Examples
     --------
-    >>> block = np.array([[3.0, 4.0]])
-    >>> orthogonalize(np.array([[1.0, 0.0]]), block).tolist(), block.tolist()
-    ([[3.0]], [[0.0, 4.0]])
+    >>> basis, block = np.zeros((1, 2, 4)), np.zeros((1, 2, 4))
+    >>> basis[0, :, 0], block[0, :, 0] = [1.0, 0.0], [3.0, 4.0]
+    >>> orthogonalize(basis, block)[0].tolist(), block[0, :, 0].tolist()
+    ([3.0, 0.0, 0.0, 0.0], [0.0, 4.0])
     """
-    coefficients = np.zeros((len(basis), len(block)))
+    lanes = block.shape[2]
+    coefficients = np.zeros((len(basis) * lanes, len(block) * lanes))
     if len(basis):
         _take_out(basis, block, coefficients)
     return coefficients
 
 
 @compiled
-def lengths(rows: Floats) -> Floats:
-    """Of vectors, one a row, shape (b,)."""
-    return np.asarray(np.sqrt(squares(rows)))
+def lengths(block: Groups) -> Floats:
+    """Of vectors, shape (b,)."""
+    return np.asarray(np.sqrt(squares(block)))
 
 
-def add_multiples(block: Floats, factors: Floats, vectors: Floats) -> None:
-    """Add factors·vectors to `block` in place: few vectors, one a row, shape (m, n).
+def orthonormalize(block: Groups) -> Floats:
+    """Make the vectors of `block` orthonormal, in place; returns what they were made of.
 
-    `factors` has shape (b, m), `block` (b, n), contiguous.
-    """
-    subtract(vectors, np.ascontiguousarray(-factors.T), block)
-
-
-def orthonormalize(block: Floats) -> Floats:
-    """Make the rows of `block` orthonormal, in place; returns what they were made of.
-
-    That is a lower triangle with old rows = triangle·new rows: Cholesky's factor of the Gram
-    matrix, once more where that was far from the identity; Householder's method where the rows
+    That is a lower triangle with old vectors = triangle·new vectors: Cholesky's factor of the Gram
+    matrix, once more where that was far from the identity; Householder's method where the vectors
     are too near to dependent for that.
 
     Examples
     --------
-    >>> block = np.array([[3.0, 0.0], [4.0, 2.0]])
-    >>> orthonormalize(block).round(12).tolist(), block.round(12).tolist()
+    >>> block = np.array([[[3.0, 4.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0, 0, 1, 0], [0, 0, 0, 1]]])
+    >>> orthonormalize(block)[:2, :2].round(12).tolist(), block[0, :2, :2].round(12).T.tolist()
     ([[3.0, 0.0], [4.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]])
     """
-    triangle = np.eye(len(block))
+    lanes = block.shape[2]
+    triangle = np.eye(len(block) * lanes)
     if not _make_orthonormal(block, triangle):
-        columns, upper = np.linalg.qr(block.T)
-        block[:] = columns.T
+        columns, upper = np.linalg.qr(np.concatenate(list(block), axis=1))
+        for i, group in enumerate(block):
+            group[:] = columns[:, i * lanes : (i + 1) * lanes]
         triangle = triangle @ upper.T
     return triangle
 
 
 @compiled
-def _make_orthonormal(block: Floats, triangle: Floats) -> bool:
-    """Make rows orthonormal; what they were made of is put into `triangle`.
+def _make_orthonormal(block: Groups, triangle: Floats) -> bool:
+    """Make vectors orthonormal; what they were made of is put into `triangle`.
 
     False where they are too near to dependent, with as much done as could be.
     """
@@ -91,7 +89,7 @@ def _make_orthonormal(block: Floats, triangle: Floats) -> bool:
         least = np.diag(factor).min()
         if least < _DEPENDENT:
             return False
-        _multiply_rows(_inverse(factor) / sizes, block)
+        combine(_inverse(factor) / sizes, block)
         triangle[:] = triangle @ (sizes.reshape((-1, 1)) * factor)
         if least > _INDEPENDENT:
             break
@@ -129,38 +127,8 @@ def _inverse(triangle: Floats) -> Floats:
     return inverse
 
 
-def aligned_rows(count: int, length: int) -> Floats:
-    """Room for so many rows of at least that length: each begins with a line of the cache.
-
-    Reading them takes a fifth less time than where registers straddle two lines.
-    """
-    stride = length + -length % LANES
-    room = np.empty(count * stride + LANES)
-    first = -(room.ctypes.data // room.itemsize) % LANES
-    return room[first : first + count * stride].reshape(count, stride)
-
-
 @compiled
-def _multiply_rows(triangle: Floats, rows: Floats) -> None:
-    """Rows turned into lower triangle·rows."""
-    zero, numbers, n = eight(0.0), rows.reshape(-1), rows.shape[1]
-    full = n - n % LANES
-    for i in range(0, full, LANES):
-        for q in range(len(rows) - 1, -1, -1):
-            new = zero
-            for p in range(q + 1):
-                new = added_product(new, eight(triangle[q, p]), load(zero, numbers, p * n + i))
-            store(new, numbers, q * n + i)
-    for i in range(full, n):
-        for q in range(len(rows) - 1, -1, -1):
-            rest = 0.0
-            for p in range(q + 1):
-                rest += triangle[q, p] * rows[p, i]
-            rows[q, i] = rest
-
-
-@compiled
-def _take_out(basis: Floats, block: Floats, coefficients: Floats) -> None:
+def _take_out(basis: Groups, block: Groups, coefficients: Floats) -> None:
     """Take the span of the basis out of `block`, and add what that was to `coefficients`."""
     taken = np.empty_like(coefficients)
     for _ in range(2):

@@ -10,7 +10,7 @@ from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, frozen, 
 from auricle.compiled import compiled
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
-from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize
+from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize, in_order
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
 from auricle.spectral.orthonormal_rows import Orthonormal
@@ -227,11 +227,9 @@ def operator_harmonics(
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
     matrix = _symmetrized(operator)
-    # In order of elimination neighbours lie side by side, and solves need not look for them.
-    order = analyze(matrix).plan.order
-    matrix = sparse.csc_array(matrix[order][:, order])
-    matrix.sort_indices()
-    symbolic = analyze(matrix, np.arange(len(order)))
+    symbolic = analyze(matrix)
+    order = symbolic.plan.order
+    matrix, symbolic = in_order(matrix, symbolic)
     scale = 4 * np.pi / operator.areas.sum()
     n = len(operator.areas)
     if n <= _DENSE_SIZE or n_modes > n * _DENSE_SHARE:

@@ -8,18 +8,22 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
-from auricle.spectral.gram_schmidt import aligned_rows, lengths, orthogonalize, orthonormalize
+from auricle.spectral.gram_schmidt import lengths, orthogonalize, orthonormalize
+from auricle.spectral.narrow_products import aligned_groups, copy_entries
+from auricle.spectral.side_by_side import set_side_by_side
 from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_LEAST_LOST, _MOST_LOST, _MOST_LEFT = 1e-15, 1e-7, 5e-12
-"""How far a block is from orthogonal to the basis once it was made so; how far one may be before
-that; and how far one that is left as it is."""
+_LEAST_LOST, _MOST_LEFT = 1e-15, 2e-11
+"""How far a block is from orthogonal to the basis once it was made so, and how far one may be that
+is left as it is."""
 _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
+_STRIP = 1024
+"""Entries of all vectors that are worked on at a time and stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,8 @@ class Effort:
     Attributes
     ----------
     block
-        Width of the block: the most copies of one eigenvalue that are sure to be found.
+        Width of the block, 4 or a multiple of 8: the most copies of one eigenvalue that are sure to
+        be found.
     first, most
         Numbers of blocks after which convergence is first looked at, and that a run ends with.
     tolerance
@@ -41,6 +46,15 @@ class Effort:
     first: int
     most: int
     tolerance: float
+
+    @property
+    def lanes(self) -> int:
+        """Vectors in a group of the basis."""
+        return min(self.block, 8)
+
+    def room(self, n_known: int) -> int:
+        """Groups that a run may take beside so many known vectors."""
+        return -(-n_known // self.lanes) + self.block // self.lanes * (self.most + 1)
 
 
 class LanczosRun:
@@ -62,6 +76,9 @@ class LanczosRun:
         Source of the starting block.
     pause
         Called before every step; may raise to end the run.
+    numbers
+        Room for the basis, of whatever content, at least `effort.room` groups; the run's own unless
+        given. Vectors can be had until it is used for something else.
 
     Attributes
     ----------
@@ -83,19 +100,26 @@ class LanczosRun:
         effort: Effort,
         rng: np.random.Generator,
         pause: Callable[[], None],
+        numbers: Floats | None = None,
     ) -> None:
         self._pause = pause
         self._scale, self._least, self._lost = 0.0, _LEAST_LOST, (_LEAST_LOST, _LEAST_LOST)
         self.factors, self.values = factors, np.empty(0)
-        self._effort, self._n_known, self._n_steps = effort, len(known), 0
-        block, most_steps = effort.block, effort.most
+        self._effort, self._n_steps = effort, 0
+        lanes, n, n_groups = effort.lanes, factors.size, effort.room(len(known))
         # Filled as the run grows: what is never reached takes no memory.
-        self._basis = aligned_rows(len(known) + block * (most_steps + 1), factors.size)
-        self._put(0, known)
-        self._projected = np.zeros((block * most_steps, block * most_steps))
+        if numbers is None:
+            numbers = aligned_groups(n_groups, n, lanes)
+        self._basis = numbers.reshape(-1)[: n_groups * n * lanes].reshape(n_groups, n, lanes)
+        self._n_known = -(-len(known) // lanes)
+        self._basis[: self._n_known] = 0.0
+        for group, first in zip(self._basis, range(0, len(known), lanes), strict=False):
+            set_side_by_side(known[first : first + lanes], group.reshape(-1), lanes)
+        self._projected = np.zeros((effort.block * effort.most, effort.block * effort.most))
         self._weights = np.empty((0, 0))
-        start = self._put(len(known), rng.standard_normal((factors.size, block)).T)
-        orthogonalize(self._basis[: len(known)], start)
+        start = self._basis[self._n_known : self._n_known + effort.block // lanes]
+        start[:] = rng.standard_normal((n, len(start), lanes)).swapaxes(0, 1)
+        orthogonalize(self._basis[: self._n_known], start)
         self._coupling = orthonormalize(start)
 
     def until(self, missing: Callable[[Floats], int] | None = None) -> Self:
@@ -129,24 +153,29 @@ class LanczosRun:
 
     def fill_vectors(self, first: int, rows: Floats, *, workers: Workers) -> None:
         """Set rows to what `vectors` returns, in two halves that are made side by side."""
-        own = self._basis[self._n_known : self._n_known + len(self._weights)]
+        n_groups = len(self._weights) // self._effort.lanes
+        own = self._basis[self._n_known : self._n_known + n_groups]
         weights = np.ascontiguousarray(self._weights[:, first:].T)
-        half = self.factors.size // 2
+        n = self.factors.size
 
-        def fill(some: slice) -> None:
-            np.matmul(weights, own[:, some], out=rows[:, some])
+        def fill(half: slice) -> None:
+            room = np.empty((_STRIP, len(self._weights)))
+            for begin in range(half.start, half.stop, _STRIP):
+                some = slice(begin, min(begin + _STRIP, half.stop))
+                entries = room[: some.stop - begin]
+                copy_entries(own, begin, entries)
+                np.matmul(weights, entries.T, out=rows[:, some])
 
-        workers.each(fill, [slice(0, half), slice(half, self.factors.size)])
+        workers.each(fill, [slice(0, n // 2), slice(n // 2, n)])
 
     def _extend(self, n_steps: int) -> None:
         """Lengthen the basis to `n_steps` blocks and the one that follows them."""
+        width = self._effort.block // self._effort.lanes
         for step in range(self._n_steps, n_steps):
             self._pause()
-            end = self._n_known + (step + 1) * self._effort.block
-            last = self._basis[end - self._effort.block : end]
-            image = self._basis[end : end + self._effort.block]
-            image[:, self.factors.size :] = 0.0
-            self.factors.solve_rows(last, image)
+            end = self._n_known + (step + 1) * width
+            for group in range(end, end + width):
+                self.factors.solve_group(self._basis[group - width], self._basis[group])
             diagonal = self._orthogonalized(end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
@@ -154,42 +183,36 @@ class LanczosRun:
                 before = slice(here.start - self._effort.block, here.start)
                 self._projected[before, here] = self._coupling
                 self._projected[here, before] = self._coupling.T
-            self._coupling = orthonormalize(image)
+            self._coupling = orthonormalize(self._basis[end : end + width])
         self._n_steps = max(n_steps, self._n_steps)
 
-    def _put(self, place: int, rows: Floats) -> Floats:
-        """Set rows of the basis from a place on, and what fills them up to 0; returns them."""
-        target = self._basis[place : place + len(rows)]
-        target[:, : self.factors.size], target[:, self.factors.size :] = rows, 0.0
-        return target
-
     def _orthogonalized(self, end: int) -> Floats:
-        """Make the image of a block orthogonal to the basis; returns its part in that block.
+        """Make the block from group `end` on orthogonal to the basis before it.
+
+        It is the image of the block before; returns its part in that.
 
         In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
         and every step that looks at the last two only enlarges that, by the ratio of the operator
-        to what is left of the image. All are taken out of the last block and the image, which is
-        what goes into the steps that follow (Simon 1984, partial reorthogonalisation), as soon as
-        the last block has more of them than may stay in the basis, or the image far more.
+        to what is left of the image. All are taken out of the image as soon as it has more of them
+        than may stay in the basis (Simon 1984, partial reorthogonalisation).
         """
-        block = self._effort.block
-        image = self._basis[end : end + block]
-        inside = orthogonalize(self._basis[max(end - 2 * block, 0) : end], image)
+        block, width = self._effort.block, self._effort.block // self._effort.lanes
+        image = self._basis[end : end + width]
+        inside = orthogonalize(self._basis[max(end - 2 * width, 0) : end], image)
         if self._n_known:
             inside[-block:] += orthogonalize(self._basis[:end], image)[-block:]
             return inside[-block:]
         self._scale = max(self._scale, float(np.linalg.norm(inside)))
         sizes = lengths(image)
         before, last = self._lost
-        self._lost = (last, last * self._scale / sizes.min() + before)
-        if not (self._lost[1] < _MOST_LOST and last < _MOST_LEFT):
-            pair = self._basis[end - block : end + block]
-            found = np.abs(orthogonalize(self._basis[: end - block], pair)[:, block:])
-            orthogonalize(self._basis[end - block : end], image)
+        lost = last * self._scale / sizes.min() + before
+        self._lost = (last, lost)
+        if lost > _MOST_LEFT:
+            found = np.abs(orthogonalize(self._basis[:end], image))
             # What was found tells how much rounding leaves in this run.
-            excess = float((found.max(axis=0, initial=0.0) / sizes).max()) / self._lost[1]
+            excess = float((found.max(axis=0) / sizes).max()) / lost
             self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LEFT)
-            self._lost = (self._least, self._least)
+            self._lost = (last, self._least)
         return inside[-block:]
 
     def _ritz(self) -> tuple[Floats, Floats, Floats]:

@@ -1,8 +1,12 @@
-"""Products of many long vectors with few, one a row: taken together, and taken from each other.
+"""Products of many long vectors with few: taken together, and taken from each other.
 
-Tall and narrow products leave a matrix library waiting for memory. These kernels take four vectors
-by four, whose sums fit into registers, and read the many once a pass: as fast as they can be read.
+Vectors lie in groups of four or eight, entry beside entry: an array of shape (g, n, lanes) holds g
+groups. So a group is read as one stream of whole registers, and what multiplies a register is one
+number of another group. Tall and narrow products leave a matrix library waiting for memory; these
+kernels keep eight vectors' products with sixteen in registers, and read the many once a pass.
 """
+
+from typing import TypeAlias
 
 import numpy as np
 
@@ -11,231 +15,357 @@ from auricle.compiled import compiled
 from auricle.spectral.lanes import (
     Lanes,
     added,
+    added_multiple,
     added_product,
     eight,
+    four,
     load,
     prefetch,
     store,
-    total,
+    subtracted,
+    width,
 )
 
-_STRIP, LANES = 3072, 8
-"""Numbers of the few that are worked on at a time and stay in the cache; of a register."""
+Groups: TypeAlias = Floats
+"""Vectors in groups, shape (g, n, lanes), contiguous; four or eight lanes."""
+_Strip: TypeAlias = tuple[Floats, int, int, int]
+"""Part of some groups: the numbers, where in them the first group's part begins, how far apart
+those of two groups are, and how many groups there are."""
+_Places: TypeAlias = tuple[int, int, int, int, int]
+"""Where four basis vectors begin, where four others do, where a group of the block does, how far on
+its next one lies, and how far ahead basis vectors are asked for."""
+_Eight: TypeAlias = tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]
+_STRIP, _AHEAD, _LINE = 2048, 1024, 8
+"""Numbers of a group that are worked on at a time and stay in the cache; how far ahead they
+are asked for; and in a line of the cache."""
 
 
 @compiled
-def squares(rows: Floats) -> Floats:
-    """Sums of squares of the rows, shape (b,)."""
-    sums = np.empty(len(rows))
-    for q in range(len(rows)):
-        sums[q] = _product(rows[q], rows[q])
+def project(basis: Groups, block: Groups, coefficients: Floats) -> None:
+    """Add every basis vector's products with those of the block to `coefficients`.
+
+    Shape (m, b), contiguous, for m and b vectors. A strip of the basis is read once for all of the
+    block, which stays in the cache.
+    """
+    if basis.shape[2] == 4:
+        _project(basis, block, coefficients.reshape(-1), four(0.0))
+    else:
+        _project(basis, block, coefficients.reshape(-1), eight(0.0))
+
+
+@compiled
+def subtract(basis: Groups, coefficients: Floats, block: Groups) -> None:
+    """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
+    if basis.shape[2] == 4:
+        _subtract(basis, coefficients.reshape(-1), block, four(0.0))
+    else:
+        _subtract(basis, coefficients.reshape(-1), block, eight(0.0))
+
+
+@compiled
+def combine(factors: Floats, block: Groups) -> None:
+    """Turn the vectors of a block into factors·vectors, in place; `factors` has shape (b, b)."""
+    if block.shape[2] == 4:
+        _combine(np.ascontiguousarray(-factors.T).reshape(-1), block, four(0.0))
+    else:
+        _combine(np.ascontiguousarray(-factors.T).reshape(-1), block, eight(0.0))
+
+
+@compiled
+def squares(block: Groups) -> Floats:
+    """Sums of squares of the vectors, shape (b,)."""
+    sums = np.empty(block.size // block.shape[1])
+    if block.shape[2] == 4:
+        _sum_squares(block, sums, four(0.0))
+    else:
+        _sum_squares(block, sums, eight(0.0))
     return sums
 
 
 @compiled
-def _product(one: Floats, other: Floats) -> float:
-    """Sum of products."""
-    full, zero = len(one) - len(one) % LANES, eight(0.0)
-    a, b, i = zero, zero, 0
-    while i + 2 * LANES <= full:
-        a = added_product(a, load(zero, one, i), load(zero, other, i))
-        b = added_product(b, load(zero, one, i + LANES), load(zero, other, i + LANES))
-        i += 2 * LANES
-    if i < full:
-        a = added_product(a, load(zero, one, i), load(zero, other, i))
-    sum_so_far = total(added(a, b))
-    for j in range(full, len(one)):
-        sum_so_far += one[j] * other[j]
-    return sum_so_far
+def copy_entries(groups: Groups, begin: int, entries: Floats) -> None:
+    """Fill `entries`, shape (c, m), with those of all m vectors from `begin` on."""
+    if groups.shape[2] == 4:
+        _copy_entries(groups, begin, entries, four(0.0))
+    else:
+        _copy_entries(groups, begin, entries, eight(0.0))
+
+
+def aligned_groups(count: int, n: int, lanes: int) -> Groups:
+    """Room for so many groups of vectors of length n, each register within a line of the cache."""
+    size = count * n * lanes
+    room = np.empty(size + _LINE)
+    first = -(room.ctypes.data // room.itemsize) % _LINE
+    return room[first : first + size].reshape(count, n, lanes)
 
 
 @compiled
-def project(basis: Floats, block: Floats, coefficients: Floats) -> None:
-    """Add basis·blockᵀ to `coefficients`, in tiles of four vectors by four, strip by strip.
+def _project(basis: Groups, block: Groups, sums: Floats, zero: Lanes) -> None:
+    length = _STRIP // width(zero)
+    for begin in range(0, basis.shape[1], length):
+        count = min(length, basis.shape[1] - begin)
+        _project_strip(_strip(basis, begin), _strip(block, begin), count, sums, zero)
 
-    A strip of the basis is read once for all of the block, which stays in the cache.
+
+@compiled
+def _strip(groups: Groups, begin: int) -> _Strip:
+    """The part of groups from a vertex on."""
+    n, lanes = groups.shape[1], groups.shape[2]
+    return groups.reshape(-1), begin * lanes, n * lanes, len(groups)
+
+
+@compiled
+def _project_strip(basis: _Strip, block: _Strip, count: int, sums: Floats, zero: Lanes) -> None:
+    numbers, first, apart, n_groups = basis
+    others, begin, aside, n_block = block
+    lanes = width(zero)
+    for g in range(0, n_groups, 8 // lanes):
+        second, n_rows = _second_four(g, basis, lanes)
+        p, ahead = first + g * apart, _AHEAD
+        for q in range(0, n_block, 2):
+            places = (p, p + second, begin + q * aside, aside, ahead)
+            target = (sums, (g * lanes * n_block + q) * lanes, n_block * lanes, n_rows)
+            if q + 1 < n_block:
+                _project_on_two(numbers, others, places, count, target, zero)
+            else:
+                _project_on_one(numbers, others, places, count, target, zero)
+            ahead = 0
+
+
+@compiled
+def _second_four(g: int, basis: _Strip, lanes: int) -> tuple[int, int]:
+    """Where the second four of eight vectors begin, from the first on; and how many there are.
+
+    Where there are but four left, these are gone through twice, the second time for nothing.
     """
-    tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
-    n = basis.shape[1]
-    full, length = n - n % LANES, _strip_length(block)
-    sums = np.zeros(tiled * tiled_block * LANES)
-    vectors = (basis.reshape(-1), block.reshape(-1), n)
-    for begin in range(0, full, length):
-        end = min(begin + length, full)
-        for m in range(0, tiled, 4):
-            for q in range(0, tiled_block, 4):
-                places = (m * n + begin, q * n + begin, end - begin)
-                ahead = _ahead((m, q), (tiled, tiled_block), n, length)
-                place = (m * tiled_block + 4 * q) * LANES
-                _project_tile(vectors, places, ahead, sums, place)
-    _add_tiles(sums, coefficients[:tiled, :tiled_block])
-    for m in range(len(basis)):
-        for q in range(tiled_block if m < tiled else 0):
-            for k in range(full, n):
-                coefficients[m, q] += basis[m, k] * block[q, k]
-        for q in range(tiled_block if m < tiled else 0, len(block)):
-            coefficients[m, q] += _product(basis[m], block[q])
+    _, _, apart, n_groups = basis
+    if lanes == 8:
+        return 4, 8
+    return (apart, 8) if g + 1 < n_groups else (0, 4)
 
 
 @compiled
-def _strip_length(block: Floats) -> int:
-    """Whole registers of each row of a block that stay in the cache together."""
-    return max(_STRIP // max(len(block), 4) // LANES, 1) * LANES
-
-
-@compiled
-def _ahead(tile: tuple[int, int], tiles: tuple[int, int], n: int, length: int) -> tuple[int, int]:
-    """How far on in memory vectors lie that come after this tile's, and how many are to be read.
-
-    The processor is told while it still works on those at hand, and need not wait for them. The
-    next four are shared out among the tiles that have these, since not many reads wait at a time.
-    """
-    (m, q), (n_basis, n_block) = tile, tiles
-    n_each = -(-4 // (n_block // 4))
-    first = n_each * (q // 4)
-    if first >= 4:
-        return 0, 0
-    return (4 * n if m + 4 < n_basis else length - m * n) + first * n, n_each
-
-
-@compiled
-def _project_tile(
-    vectors: tuple[Floats, Floats, int],
-    places: tuple[int, int, int],
-    ahead: tuple[int, int],
-    sums: Floats,
-    place: int,
-) -> None:
-    """Add four vectors' products with four others to sixteen registers' worth of sums."""
-    numbers, others, n = vectors
-    (i, k, length), (distance, n_each) = places, ahead
-    zero = eight(0.0)
-    a0, a1, a2, a3 = zero, zero, zero, zero
-    b0, b1, b2, b3 = zero, zero, zero, zero
-    c0, c1, c2, c3 = zero, zero, zero, zero
-    d0, d1, d2, d3 = zero, zero, zero, zero
-    for _ in range(0, length, LANES):
-        _prefetch_some(numbers, i + distance, n, n_each)
-        x0, x1 = load(zero, others, k), load(zero, others, k + n)
-        x2, x3 = load(zero, others, k + 2 * n), load(zero, others, k + 3 * n)
-        a, b = load(zero, numbers, i), load(zero, numbers, i + n)
-        c, d = load(zero, numbers, i + 2 * n), load(zero, numbers, i + 3 * n)
-        a0, a1 = added_product(a0, a, x0), added_product(a1, a, x1)
-        a2, a3 = added_product(a2, a, x2), added_product(a3, a, x3)
-        b0, b1 = added_product(b0, b, x0), added_product(b1, b, x1)
-        b2, b3 = added_product(b2, b, x2), added_product(b3, b, x3)
-        c0, c1 = added_product(c0, c, x0), added_product(c1, c, x1)
-        c2, c3 = added_product(c2, c, x2), added_product(c3, c, x3)
-        d0, d1 = added_product(d0, d, x0), added_product(d1, d, x1)
-        d2, d3 = added_product(d2, d, x2), added_product(d3, d, x3)
-        i, k = i + LANES, k + LANES
-    _add_four(sums, place, (a0, a1, a2, a3))
-    _add_four(sums, place + 4 * LANES, (b0, b1, b2, b3))
-    _add_four(sums, place + 8 * LANES, (c0, c1, c2, c3))
-    _add_four(sums, place + 12 * LANES, (d0, d1, d2, d3))
-
-
-@compiled
-def _prefetch_some(numbers: Floats, place: int, apart: int, count: int) -> None:
-    """Of one, two or four vectors, or none."""
-    if count > 0:
-        prefetch(numbers, place)
-    if count > 1:
-        prefetch(numbers, place + apart)
-    if count > 2:
-        prefetch(numbers, place + 2 * apart)
-        prefetch(numbers, place + 3 * apart)
-
-
-@compiled
-def _add_four(sums: Floats, place: int, lanes: tuple[Lanes, Lanes, Lanes, Lanes]) -> None:
-    for part in lanes:
-        store(added(load(part, sums, place), part), sums, place)
-        place += LANES
-
-
-@compiled
-def _add_tiles(sums: Floats, coefficients: Floats) -> None:
-    """Add up the lanes of sums, sixteen a tile, and add these to the coefficients."""
-    zero, place = eight(0.0), 0
-    for m in range(0, len(coefficients), 4):
-        for q in range(0, coefficients.shape[1], 4):
-            for entry in range(16):
-                coefficients[m + entry // 4, q + entry % 4] += total(load(zero, sums, place))
-                place += LANES
-
-
-@compiled
-def subtract(basis: Floats, coefficients: Floats, block: Floats) -> None:
-    """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
-    n = basis.shape[1]
-    full, length = n - n % LANES, _strip_length(block)
-    tiled, tiled_block = len(basis) - len(basis) % 4, len(block) - len(block) % 4
-    vectors = (basis.reshape(-1), block.reshape(-1), n)
-    for begin in range(0, full, length):
-        end = min(begin + length, full)
-        for m in range(0, tiled, 4):
-            for q in range(0, tiled_block, 4):
-                places = (m * n + begin, q * n + begin, end - begin)
-                ahead = _ahead((m, q), (tiled, tiled_block), n, length)
-                _subtract_tile(vectors, places, ahead, coefficients, (m, q))
-        for m in range(tiled if tiled_block == len(block) else 0, len(basis)):
-            first = tiled_block if m < tiled else 0
-            _subtract_plainly(basis, m, coefficients, block, first, (begin, end))
-    for m in range(len(basis) if full < n else 0):
-        _subtract_plainly(basis, m, coefficients, block, 0, (full, n))
-
-
-@compiled
-def _subtract_tile(
-    vectors: tuple[Floats, Floats, int],
-    places: tuple[int, int, int],
-    ahead: tuple[int, int],
-    coefficients: Floats,
-    tile: tuple[int, int],
-) -> None:
-    """Take four vectors' parts out of four others, along a strip of whole registers."""
-    numbers, others, n = vectors
-    (i, k, length), (m, q), (distance, n_each) = places, tile, ahead
-    a0, a1, a2, a3 = _minus_four(coefficients, m, q)
-    b0, b1, b2, b3 = _minus_four(coefficients, m + 1, q)
-    c0, c1, c2, c3 = _minus_four(coefficients, m + 2, q)
-    d0, d1, d2, d3 = _minus_four(coefficients, m + 3, q)
-    for _ in range(0, length, LANES):
-        _prefetch_some(numbers, i + distance, n, n_each)
-        v0, v1 = load(a0, numbers, i), load(a0, numbers, i + n)
-        v2, v3 = load(a0, numbers, i + 2 * n), load(a0, numbers, i + 3 * n)
-        _take_four(others, k, (v0, v1, v2, v3), (a0, b0, c0, d0))
-        _take_four(others, k + n, (v0, v1, v2, v3), (a1, b1, c1, d1))
-        _take_four(others, k + 2 * n, (v0, v1, v2, v3), (a2, b2, c2, d2))
-        _take_four(others, k + 3 * n, (v0, v1, v2, v3), (a3, b3, c3, d3))
-        i, k = i + LANES, k + LANES
-
-
-@compiled
-def _minus_four(coefficients: Floats, m: int, q: int) -> tuple[Lanes, Lanes, Lanes, Lanes]:
-    a, b = eight(-coefficients[m, q]), eight(-coefficients[m, q + 1])
-    return a, b, eight(-coefficients[m, q + 2]), eight(-coefficients[m, q + 3])
-
-
-@compiled
-def _take_four(
+def _project_on_two(
+    numbers: Floats,
     others: Floats,
-    place: int,
-    vectors: tuple[Lanes, Lanes, Lanes, Lanes],
-    factors: tuple[Lanes, Lanes, Lanes, Lanes],
+    places: _Places,
+    count: int,
+    target: tuple[Floats, int, int, int],
+    zero: Lanes,
 ) -> None:
-    x = added_product(load(vectors[0], others, place), vectors[0], factors[0])
-    x = added_product(added_product(x, vectors[1], factors[1]), vectors[2], factors[2])
-    store(added_product(x, vectors[3], factors[3]), others, place)
+    """Add eight vectors' products with two groups to sixteen registers' worth of sums."""
+    p, r, q, aside, ahead = places
+    a0, a1, a2, a3 = zero, zero, zero, zero
+    a4, a5, a6, a7 = zero, zero, zero, zero
+    b0, b1, b2, b3 = zero, zero, zero, zero
+    b4, b5, b6, b7 = zero, zero, zero, zero
+    for _ in range(count):
+        prefetch(numbers, p + ahead)
+        prefetch(numbers, r + ahead)
+        x, y = load(zero, others, q), load(zero, others, q + aside)
+        a0, b0 = added_multiple(a0, numbers, p, x), added_multiple(b0, numbers, p, y)
+        a1, b1 = added_multiple(a1, numbers, p + 1, x), added_multiple(b1, numbers, p + 1, y)
+        a2, b2 = added_multiple(a2, numbers, p + 2, x), added_multiple(b2, numbers, p + 2, y)
+        a3, b3 = added_multiple(a3, numbers, p + 3, x), added_multiple(b3, numbers, p + 3, y)
+        a4, b4 = added_multiple(a4, numbers, r, x), added_multiple(b4, numbers, r, y)
+        a5, b5 = added_multiple(a5, numbers, r + 1, x), added_multiple(b5, numbers, r + 1, y)
+        a6, b6 = added_multiple(a6, numbers, r + 2, x), added_multiple(b6, numbers, r + 2, y)
+        a7, b7 = added_multiple(a7, numbers, r + 3, x), added_multiple(b7, numbers, r + 3, y)
+        p, r, q = p + width(zero), r + width(zero), q + width(zero)
+    sums, place, apart, n_rows = target
+    _add_rows((a0, a1, a2, a3, a4, a5, a6, a7), sums, place, apart, n_rows)
+    _add_rows((b0, b1, b2, b3, b4, b5, b6, b7), sums, place + width(zero), apart, n_rows)
 
 
 @compiled
-def _subtract_plainly(
-    basis: Floats, m: int, coefficients: Floats, block: Floats, first: int, strip: tuple[int, int]
+def _project_on_one(
+    numbers: Floats,
+    others: Floats,
+    places: _Places,
+    count: int,
+    target: tuple[Floats, int, int, int],
+    zero: Lanes,
 ) -> None:
-    """Take one vector's part out of those from `first` on, along a strip."""
-    for q in range(first, len(block)):
-        factor = coefficients[m, q]
-        for i in range(strip[0], strip[1]):
-            block[q, i] -= basis[m, i] * factor
+    """The same with one group."""
+    p, r, q, _, ahead = places
+    a0, a1, a2, a3 = zero, zero, zero, zero
+    a4, a5, a6, a7 = zero, zero, zero, zero
+    for _ in range(count):
+        prefetch(numbers, p + ahead)
+        prefetch(numbers, r + ahead)
+        x = load(zero, others, q)
+        a0, a1 = added_multiple(a0, numbers, p, x), added_multiple(a1, numbers, p + 1, x)
+        a2, a3 = added_multiple(a2, numbers, p + 2, x), added_multiple(a3, numbers, p + 3, x)
+        a4, a5 = added_multiple(a4, numbers, r, x), added_multiple(a5, numbers, r + 1, x)
+        a6, a7 = added_multiple(a6, numbers, r + 2, x), added_multiple(a7, numbers, r + 3, x)
+        p, r, q = p + width(zero), r + width(zero), q + width(zero)
+    sums, place, apart, n_rows = target
+    _add_rows((a0, a1, a2, a3, a4, a5, a6, a7), sums, place, apart, n_rows)
+
+
+@compiled
+def _add_rows(rows: _Eight, sums: Floats, place: int, apart: int, n_rows: int) -> None:
+    """Add the first of eight registers to as many rows of a matrix, a column's worth."""
+    left = n_rows
+    for row in rows:
+        if left > 0:
+            store(added(load(row, sums, place), row), sums, place)
+        place, left = place + apart, left - 1
+
+
+@compiled
+def _subtract(basis: Groups, factors: Floats, block: Groups, zero: Lanes) -> None:
+    length = _STRIP // width(zero)
+    for begin in range(0, basis.shape[1], length):
+        count = min(length, basis.shape[1] - begin)
+        _subtract_strip(_strip(basis, begin), _strip(block, begin), count, factors, zero)
+
+
+@compiled
+def _combine(factors: Floats, block: Groups, zero: Lanes) -> None:
+    n, lanes = block.shape[1], block.shape[2]
+    length = _STRIP // lanes
+    others, room = block.reshape(-1), np.empty(len(block) * _STRIP)
+    if len(block) == 1:
+        second, n_rows = _second_four(0, (others, 0, 0, 1), lanes)
+        _combine_one(others, n, second, _eight_rows(factors, 0, lanes, n_rows, zero))
+        return
+    for begin in range(0, n, length):
+        count = min(length, n - begin)
+        for q in range(len(block)):
+            place = (q * n + begin) * lanes
+            for i in range(0, count * lanes, lanes):
+                store(load(zero, others, place + i), room, q * _STRIP + i)
+                store(zero, others, place + i)
+        copied = (room, 0, _STRIP, len(block))
+        _subtract_strip(copied, _strip(block, begin), count, factors, zero)
+
+
+@compiled
+def _combine_one(numbers: Floats, n: int, second: int, c: _Eight) -> None:
+    """Turn a group into multiples of itself, n entries that each depend on no other."""
+    c0, c1, c2, c3, c4, c5, c6, c7 = c
+    zero, p = subtracted(c0, c0), 0
+    for _ in range(n):
+        r = p + second
+        x, y = added_multiple(zero, numbers, p, c0), added_multiple(zero, numbers, p + 1, c1)
+        x, y = added_multiple(x, numbers, p + 2, c2), added_multiple(y, numbers, p + 3, c3)
+        x, y = added_multiple(x, numbers, r, c4), added_multiple(y, numbers, r + 1, c5)
+        x, y = added_multiple(x, numbers, r + 2, c6), added_multiple(y, numbers, r + 3, c7)
+        store(added(x, y), numbers, p)
+        p += width(c0)
+
+
+@compiled
+def _subtract_strip(basis: _Strip, block: _Strip, count: int, factors: Floats, zero: Lanes) -> None:
+    numbers, first, apart, n_groups = basis
+    others, begin, aside, n_block = block
+    lanes = width(zero)
+    for g in range(0, n_groups, 8 // lanes):
+        second, n_rows = _second_four(g, basis, lanes)
+        p, ahead = first + g * apart, _AHEAD
+        for q in range(0, n_block, 2):
+            places = (p, p + second, begin + q * aside, aside, ahead)
+            place, stride = (g * lanes * n_block + q) * lanes, n_block * lanes
+            c = _eight_rows(factors, place, stride, n_rows, zero)
+            if q + 1 < n_block:
+                d = _eight_rows(factors, place + lanes, stride, n_rows, zero)
+                _subtract_from_two(numbers, others, places, count, c, d)
+            else:
+                _subtract_from_one(numbers, others, places, count, c)
+            ahead = 0
+
+
+@compiled
+def _eight_rows(factors: Floats, place: int, stride: int, n_rows: int, zero: Lanes) -> _Eight:
+    """Of a matrix a column's worth of eight rows with their sign changed; 0 beyond the first."""
+    a, b = _minus(factors, place, zero), _minus(factors, place + stride, zero)
+    c, d = _minus(factors, place + 2 * stride, zero), _minus(factors, place + 3 * stride, zero)
+    if n_rows == 4:
+        return a, b, c, d, zero, zero, zero, zero
+    place += 4 * stride
+    e, f = _minus(factors, place, zero), _minus(factors, place + stride, zero)
+    g, h = _minus(factors, place + 2 * stride, zero), _minus(factors, place + 3 * stride, zero)
+    return a, b, c, d, e, f, g, h
+
+
+@compiled
+def _minus(factors: Floats, place: int, zero: Lanes) -> Lanes:
+    return subtracted(zero, load(zero, factors, place))
+
+
+@compiled
+def _subtract_from_two(
+    numbers: Floats,
+    others: Floats,
+    places: _Places,
+    count: int,
+    c: _Eight,
+    d: _Eight,
+) -> None:
+    """Add multiples of eight vectors to two groups."""
+    p, r, q, aside, ahead = places
+    c0, c1, c2, c3, c4, c5, c6, c7 = c
+    d0, d1, d2, d3, d4, d5, d6, d7 = d
+    for _ in range(count):
+        prefetch(numbers, p + ahead)
+        prefetch(numbers, r + ahead)
+        x, y = load(c0, others, q), load(c0, others, q + aside)
+        x, y = added_multiple(x, numbers, p, c0), added_multiple(y, numbers, p, d0)
+        x, y = added_multiple(x, numbers, p + 1, c1), added_multiple(y, numbers, p + 1, d1)
+        x, y = added_multiple(x, numbers, p + 2, c2), added_multiple(y, numbers, p + 2, d2)
+        x, y = added_multiple(x, numbers, p + 3, c3), added_multiple(y, numbers, p + 3, d3)
+        x, y = added_multiple(x, numbers, r, c4), added_multiple(y, numbers, r, d4)
+        x, y = added_multiple(x, numbers, r + 1, c5), added_multiple(y, numbers, r + 1, d5)
+        x, y = added_multiple(x, numbers, r + 2, c6), added_multiple(y, numbers, r + 2, d6)
+        x, y = added_multiple(x, numbers, r + 3, c7), added_multiple(y, numbers, r + 3, d7)
+        store(x, others, q)
+        store(y, others, q + aside)
+        p, r, q = p + width(c0), r + width(c0), q + width(c0)
+
+
+@compiled
+def _subtract_from_one(
+    numbers: Floats, others: Floats, places: _Places, count: int, c: _Eight
+) -> None:
+    """The same with one group."""
+    p, r, q, _, ahead = places
+    c0, c1, c2, c3, c4, c5, c6, c7 = c
+    for _ in range(count):
+        prefetch(numbers, p + ahead)
+        prefetch(numbers, r + ahead)
+        x, y = load(c0, others, q), subtracted(c0, c0)
+        x, y = added_multiple(x, numbers, p, c0), added_multiple(y, numbers, p + 1, c1)
+        x, y = added_multiple(x, numbers, p + 2, c2), added_multiple(y, numbers, p + 3, c3)
+        x, y = added_multiple(x, numbers, r, c4), added_multiple(y, numbers, r + 1, c5)
+        x, y = added_multiple(x, numbers, r + 2, c6), added_multiple(y, numbers, r + 3, c7)
+        store(added(x, y), others, q)
+        p, r, q = p + width(c0), r + width(c0), q + width(c0)
+
+
+@compiled
+def _sum_squares(block: Groups, sums: Floats, zero: Lanes) -> None:
+    n, lanes = block.shape[1], block.shape[2]
+    numbers = block.reshape(-1)
+    for q in range(len(block)):
+        a, b, p = zero, zero, q * n * lanes
+        for _ in range(n // 2):
+            x, y = load(zero, numbers, p), load(zero, numbers, p + lanes)
+            a, b = added_product(a, x, x), added_product(b, y, y)
+            p += 2 * lanes
+        if n % 2 == 1:
+            x = load(zero, numbers, p)
+            a = added_product(a, x, x)
+        store(added(a, b), sums, q * lanes)
+
+
+@compiled
+def _copy_entries(groups: Groups, begin: int, entries: Floats, zero: Lanes) -> None:
+    n, lanes = groups.shape[1], groups.shape[2]
+    numbers, some = groups.reshape(-1), entries.reshape(-1)
+    for g in range(len(groups)):
+        p, q = (g * n + begin) * lanes, g * lanes
+        for _ in range(len(entries)):
+            prefetch(numbers, p + _AHEAD)
+            store(load(zero, numbers, p), some, q)
+            p, q = p + lanes, q + entries.shape[1]

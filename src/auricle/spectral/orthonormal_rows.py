@@ -1,11 +1,11 @@
 """Many nearly orthonormal rows made orthonormal, and how far from that they are."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from auricle.arrays import Floats, PerMode
+from auricle.arrays import Floats, Integers, PerMode
 from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
@@ -41,6 +41,12 @@ class Separation:
         """Residuals over eigenvalues; over `least` where these are smaller."""
         relative: PerMode = self.residuals / np.maximum(self.values, least)
         return relative
+
+    def replaced(self, some: Integers, own: "Separation") -> "Separation":
+        """The same with that of some of the vectors, found anew, in place of theirs."""
+        values, residuals = self.values.copy(), self.residuals.copy()
+        values[some], residuals[some] = own.values, own.residuals
+        return replace(self, values=values, residuals=residuals)
 
     def most(self, some: slice, lower: slice) -> float:
         """Largest inner product that vectors of two ranges can have; ∞ where nothing is known.
@@ -87,16 +93,17 @@ def orthonormalized(
 ) -> Orthonormal:
     """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
 
-    Eigenvectors found of one symmetric matrix are the nearer to orthogonal the further apart
-    their eigenvalues lie. So a first step is taken among neighbours, at a fraction of the price,
-    and further ones among all; none where the departure is small.
+    Only those that depart from orthogonal to another take part. Eigenvectors found of one symmetric
+    matrix are the nearer to orthogonal the further apart their eigenvalues lie. So a first step is
+    taken among neighbours, at a fraction of the price, and further ones among all; none where the
+    departure is small.
 
     Parameters
     ----------
     rows
-        Nearly orthonormal, shape (k, n), in the order of their eigenvalues.
+        Nearly orthonormal, shape (k, n), in the order of their eigenvalues; changed in place.
     separation, separated
-        Of these rows; and of rows that are nearly these, from nearly their eigenvalues.
+        Of these rows; and of rows that are nearly some of these, from nearly their eigenvalues.
     workers
         Who share the products.
 
@@ -104,14 +111,21 @@ def orthonormalized(
     ----------
     Higham 2008, Functions of Matrices, § 8.3; Parlett 1998, The Symmetric Eigenvalue Problem, § 11.
     """
-    parts, reach = slices(len(rows), _NEIGHBOURS), 1
-    for steps_left in range(_MOST_STEPS, -1, -1):
-        lower, departure = overlap(rows, workers, separation)
-        if departure <= _ORTHONORMAL or not steps_left:
+    lower, unmeasured = _overlap(rows, workers, separation)
+    for step in range(_MOST_STEPS + 1):
+        departure = float(np.abs(lower).max(initial=unmeasured))
+        if departure <= _ORTHONORMAL or step == _MOST_STEPS:
             break
-        rows = _step(rows, lower, parts, reach, workers)
-        separation = separated(rows, separation.values)
-        parts, reach = _quarters(len(rows)), _PARTS
+        departing = np.abs(lower) > _NEGLIGIBLE
+        some = np.flatnonzero(departing.any(axis=0) | departing.any(axis=1))
+        parts, reach = (_quarters(len(some)), _PARTS) if step else (_neighbours(len(some)), 1)
+        pairs = np.ix_(some, some)
+        stepped = _step(rows[some], lower[pairs], parts, reach, workers)
+        rows[some] = stepped
+        own = separated(stepped, separation.values[some])
+        separation = separation.replaced(some, own)
+        lower[pairs], beyond = _overlap(stepped, workers, own)
+        unmeasured = max(unmeasured, beyond)
     return Orthonormal(rows, separation, departure)
 
 
@@ -121,8 +135,14 @@ def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Flo
     The lower triangle, shape (k, k). Those that by their `separation` are negligible are left 0;
     the largest magnitude is then not less than what these can be.
     """
+    lower, unmeasured = _overlap(rows, workers, separation)
+    return lower, float(np.abs(lower).max(initial=unmeasured))
+
+
+def _overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Floats, float]:
+    """The lower triangle, and what the products that are not measured do not exceed."""
     products = np.zeros((len(rows), len(rows)))
-    parts = slices(len(rows), _NEIGHBOURS)
+    parts = _neighbours(len(rows))
 
     def fill(i: int) -> float:
         first, unmeasured = 0, 0.0
@@ -137,8 +157,7 @@ def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Flo
 
     unmeasured = workers.each(fill, range(len(parts)))
     products[np.diag_indices_from(products)] -= 1.0
-    lower = np.tril(products)
-    return lower, float(np.abs(lower).max(initial=max(unmeasured)))
+    return np.tril(products), max(unmeasured)
 
 
 def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:
@@ -155,6 +174,10 @@ def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: 
 
     workers.each(fill, range(len(parts)))
     return stepped
+
+
+def _neighbours(count: int) -> list[slice]:
+    return slices(count, _NEIGHBOURS)
 
 
 def _quarters(count: int) -> list[slice]:

@@ -92,7 +92,8 @@ def corrected(
     matrix
         Symmetric, positive semi-definite, shape (n, n).
     rows
-        Eigenvectors of its lowest eigenvalues, nearly orthonormal, one a row, shape (k, n).
+        Eigenvectors of its lowest eigenvalues, nearly orthonormal, one a row, shape (k, n); changed
+        in place.
     guesses
         Of the eigenvalues, shape (k,).
     least

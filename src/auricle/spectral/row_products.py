@@ -94,7 +94,7 @@ def _sums_beyond(entries: Entries, rows: Floats, guesses: PerMode) -> tuple[Floa
     starts, neighbours, data = entries
     count, n = rows.shape
     zero, columns, room = eight(0.0), np.zeros(n * _WIDE), np.zeros(4 * _WIDE)
-    set_side_by_side(rows, np.arange(n), columns, _WIDE)
+    set_side_by_side(rows, columns, _WIDE)
     room[:count] = guesses
     guess, beyond, beside, sizes = load(zero, room, 0), zero, zero, zero
     for i in range(n):
@@ -127,7 +127,7 @@ def _products(entries: Entries, rows: Floats, products: Floats, zero: Lanes) -> 
     n_rows, n = rows.shape
     lanes = width(zero)
     columns, sums = np.zeros(n * lanes), np.empty(lanes)
-    set_side_by_side(rows, np.arange(n), columns, lanes)
+    set_side_by_side(rows, columns, lanes)
     for i in range(n):
         total = zero
         for e in range(starts[i], starts[i + 1]):

@@ -5,7 +5,7 @@ eigenvalues lie below, so that every pair has an absolute index and a missing on
 searched for again. ARPACK alone loses copies of repeated eigenvalues without a word.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,6 +18,7 @@ from auricle.spectral.factorization import ShiftedFactorization, SymbolicFactori
 from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
+from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts, widest_gap
 from auricle.spectral.workers import Workers
 
@@ -112,13 +113,23 @@ def lowest_eigenpairs(
         needed_bytes(symbolic, count), f"{count} harmonics of {len(matrix.indptr) - 1} vertices"
     )
     factorable = Factorable(matrix, symbolic)
-    room = np.empty((count + _SPARE, len(matrix.indptr) - 1))
-    ladder = Ladder(np.empty(0), room, certified=-1 / density)
+    n = len(matrix.indptr) - 1
+    ladder = Ladder(np.empty(0), np.empty((count + _SPARE, n)), certified=-1 / density)
+    # Used by one run after another: a system sets new pages to zero, or has to ask for them.
+    n_groups = _MOST_VECTORS // _SEARCH_BLOCK + 1
+    bases = [aligned_groups(n_groups, n, _SEARCH_BLOCK) for _ in range(workers.threads)]
     workers.report("harmonics", 0, count)
     while ladder.n_certified <= count:
-        shifts = next_shifts(factorable, ladder, count=count, density=density, workers=workers)
         low, n_low = ladder.certified, ladder.n_certified
-        _climb(shifts, ladder, factorable.at, rng=rng, workers=workers)
+        # Not named: factors are let go before the next are made.
+        _climb(
+            next_shifts(factorable, ladder, count=count, density=density, workers=workers),
+            ladder,
+            factorable.at,
+            bases=bases,
+            rng=rng,
+            workers=workers,
+        )
         density = max(ladder.n_certified - n_low, 1) / (ladder.certified - low)
         workers.report("harmonics", min(ladder.n_certified, count), count)
     found = slice(0, ladder.n_certified)
@@ -138,6 +149,7 @@ def _climb(
     ladder: Ladder,
     move: Callable[[float], ShiftedFactorization],
     *,
+    bases: Sequence[Floats],
     rng: np.random.Generator,
     workers: Workers,
 ) -> None:
@@ -147,21 +159,23 @@ def _climb(
     """
     searched = shifts.searched
     following: list[ShiftedFactorization | None] = [*searched[1:], None]
-    runs = [
-        workers.submit(
+    jobs = [
+        partial(
             _run,
             factors,
             own,
             partial(_lacks, ladder, lower=lower, higher=higher, ceiling=shifts.ceiling),
             workers.pause,
             move,
+            bases[i % len(bases)],
         )
-        for factors, own, lower, higher in zip(
-            searched, rng.spawn(len(searched)), [None, *searched], following, strict=False
+        for i, (factors, own, lower, higher) in enumerate(
+            zip(searched, rng.spawn(len(searched)), [None, *searched], following, strict=False)
         )
     ]
-    for submitted in runs:
-        run = workers.result(submitted)
+    begun = [workers.submit(job) for job in jobs[: len(bases)]]
+    for i in range(len(jobs)):
+        run = workers.result(begun[i])
         factors = run.factors
         workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
         joint = junction(ladder, run.values, factors)
@@ -172,6 +186,8 @@ def _climb(
             fill = partial(run.fill_vectors, first, workers=workers)
             ladder.replace_above(kept, run.values[first:], fill)
         ladder.certify(factors)
+        # Not before its room is free.
+        begun.extend(workers.submit(job) for job in jobs[len(begun) : i + 1 + len(bases)])
     if shifts.ceiling is not None:
         _search(shifts.ceiling, ladder, rng=rng, workers=workers)
         ladder.certify(shifts.ceiling)
@@ -183,16 +199,17 @@ def _run(
     criterion: Callable[[ShiftedFactorization], Callable[[Floats], int]],
     pause: Callable[[], None],
     move: Callable[[float], ShiftedFactorization],
+    numbers: Floats,
 ) -> LanczosRun:
     nothing = np.empty((0, factors.size))
     missing = criterion(factors)
     effort = _effort(factors, missing(np.empty(0)))
-    run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
+    run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause, numbers=numbers)
     better = _better_shift(run.glance(_GLANCE), factors.shift)
     if better is not None:
         factors = move(better)
         missing = criterion(factors)
-        run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause)
+        run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause, numbers=numbers)
     return run.until(missing)
 
 

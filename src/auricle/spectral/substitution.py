@@ -17,9 +17,8 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
-from auricle.spectral.side_by_side import set_apart, set_side_by_side
 
-_NARROW, _WIDE, _AT_ONCE = 4, 8, 16
+NARROW, WIDE, AT_ONCE = 4, 8, 16
 """Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
 _AGAIN = 5
 """Of eight lines so many at most are gone through again, where fewer than eight are left."""
@@ -27,28 +26,21 @@ _AHEAD = 8192
 """By how many numbers panels are asked for before they are used, on the way back."""
 
 
-def substitute(plan: EliminationPlan, panels: Floats, right: Floats, solutions: Floats) -> None:
-    """Set `solutions` to those with the factors, one a row.
+def substitute(plan: EliminationPlan, panels: Floats, columns: Floats) -> None:
+    """Turn right-hand sides into solutions with the factors, in place.
 
     Parameters
     ----------
     plan, panels
         Of `auricle.spectral.ldl.eliminate`.
-    right, solutions
-        Right-hand sides and room for what they give, one a row, shape (b, n or more), contiguous;
-        entries beyond n are left alone.
+    columns
+        Right-hand sides in the order of elimination, shape (n, b), contiguous; b is 4, 8 or 16.
     """
-    for first in range(0, len(right), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
-        n_right = len(right[some])
-        full = _NARROW if n_right <= _NARROW else -(-n_right // _WIDE) * _WIDE
-        columns = (np.empty if n_right == full else np.zeros)(len(plan.order) * full)
-        set_side_by_side(right[some], plan.order, columns, full)
-        if full == _NARROW:
-            _substitute_four(plan, panels, columns, full)
-        else:
-            _substitute_eight(plan, panels, columns, full)
-        set_apart(columns, full, plan.order, solutions[some])
+    numbers, n_right = columns.reshape(-1), columns.shape[1]
+    if n_right == NARROW:
+        _substitute_four(plan, panels, numbers, n_right)
+    else:
+        _substitute_eight(plan, panels, numbers, n_right)
 
 
 @compiled

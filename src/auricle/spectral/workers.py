@@ -30,6 +30,11 @@ class Workers:
     progress
         Told what `report` was told.
 
+    Attributes
+    ----------
+    threads
+        How many.
+
     Examples
     --------
     >>> with Workers(2) as workers:
@@ -38,6 +43,7 @@ class Workers:
     """
 
     def __init__(self, threads: int, progress: Progress = silent) -> None:
+        self.threads = threads
         self._pool = ThreadPoolExecutor(threads)
         self._progress = progress
         self._latest: tuple[str, float, float] | None = None
