@@ -159,11 +159,22 @@ def quickest(work, times: int = 7) -> float:
     return min(taken)
 
 
+def processor() -> str:
+    """Name, family and model, where the system tells them: ratios depend on its registers."""
+    table = Path("/proc/cpuinfo")
+    lines = table.read_text().splitlines() if table.exists() else []
+    told = dict(line.split(":", 1) for line in lines if ":" in line)
+    told = {name.strip(): figure.strip() for name, figure in told.items()}
+    names = ("model name", "cpu family", "model")
+    return ", ".join(f"{name} {told[name]}" for name in names if name in told)
+
+
 def note(folder: Path, figures: dict) -> None:
     """Append a result."""
     if "malloc.hugetlb=2" in os.environ.get("GLIBC_TUNABLES", ""):
         figures = {name: figure for name, figure in figures.items() if name != "peak_mb"}
         figures["held"] = True
+    figures = {"processor": processor()} | figures
     with (folder / "results.jsonl").open("a") as file:
         file.write(json.dumps(figures) + "\n")
 

@@ -140,8 +140,11 @@ def main(folder: str) -> None:
     by_case = defaultdict(list)
     for row in rows:
         by_case[row["problem"], row.get("threads", 1), row.get("held", False)].append(row)
+    processors = sorted({row["processor"] for row in rows})
     page = [
         HEADER,
+        f"Processor: {'; '.join(processors)}.",
+        "",
         *warning(rows),
         "![CPU time over number of harmonics](figures/performance_eigensolver.svg)",
         "",
