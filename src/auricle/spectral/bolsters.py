@@ -9,7 +9,8 @@ from auricle.arrays import Floats, Integers
 from auricle.compiled import compiled
 from auricle.spectral.lanes import Lanes, added_multiple, eight, four, load, store, width
 
-_AT_ONCE = 8
+_AT_ONCE = 4
+"""Bolsters whose influence is solved for together: as many as the solves of small surfaces take."""
 _SINGULAR = 1e-10
 """Eigenvalue of what is inverted, in units of the inverse bolsters, that counts as none."""
 
@@ -49,7 +50,7 @@ class Bolstered:
     def of(cls, bolsters: Floats, solve: Callable[[Floats], None]) -> "Bolstered | None":
         """From what was added to the diagonal, shape (n,), and solves with the factors.
 
-        `solve` turns right-hand sides, shape (n, 8), into solutions in place. None where the matrix
+        `solve` turns right-hand sides, shape (n, 4), into solutions in place. None where the matrix
         is singular to rounding.
         """
         places = np.flatnonzero(bolsters)
