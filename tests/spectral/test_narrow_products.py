@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from numba import njit
 
+from auricle.spectral.lanes import eight, four
 from auricle.spectral.narrow_products import (
     aligned_groups,
     combine,
@@ -11,6 +13,15 @@ from auricle.spectral.narrow_products import (
     squares,
     subtract,
 )
+
+ZEROS = {4: four, 8: eight}
+
+
+def with_lanes(work, lanes: int):
+    """A function of compiled code, whose last argument that gives it."""
+    zero = ZEROS[lanes]
+    return njit(lambda *arguments: work(*arguments, zero(0.0)))
+
 
 LENGTHS = [1, 7, 511, 1300]
 """Less than a strip, not a multiple of a register, and more than one strip."""
@@ -33,10 +44,10 @@ def test_products_are_those_of_the_vectors(rng, n, lanes, n_basis, n_block) -> N
     basis, block = grouped(rng, n_basis, n, lanes), grouped(rng, n_block, n, lanes)
     before = rng.standard_normal((n_basis * lanes, n_block * lanes))
     coefficients = before.copy()
-    project(basis, block, coefficients)
+    with_lanes(project, lanes)(basis, block, coefficients)
     np.testing.assert_allclose(coefficients, before + rows_of(basis) @ rows_of(block).T, atol=1e-11)
     expected = rows_of(block) - coefficients.T @ rows_of(basis)
-    subtract(basis, coefficients, block)
+    with_lanes(subtract, lanes)(basis, coefficients, block)
     np.testing.assert_allclose(rows_of(block), expected, atol=1e-10)
 
 
@@ -46,9 +57,11 @@ def test_products_are_those_of_the_vectors(rng, n, lanes, n_basis, n_block) -> N
 def test_vectors_are_combined_and_measured(rng, n, lanes, n_block) -> None:
     block = grouped(rng, n_block, n, lanes)
     factors = rng.standard_normal((n_block * lanes, n_block * lanes))
-    np.testing.assert_allclose(squares(block), (rows_of(block) ** 2).sum(axis=1), rtol=1e-13)
+    np.testing.assert_allclose(
+        with_lanes(squares, lanes)(block), (rows_of(block) ** 2).sum(axis=1), rtol=1e-13
+    )
     expected = factors @ rows_of(block)
-    combine(factors, block)
+    with_lanes(combine, lanes)(factors, block)
     np.testing.assert_allclose(rows_of(block), expected, atol=1e-12)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
+from auricle.spectral.lanes import Lanes, eight, four
 from auricle.spectral.narrow_products import Groups, combine, project, squares, subtract
 
 _CANCELLED = 1e-3
@@ -40,14 +41,13 @@ def orthogonalize(basis: Groups, block: Groups) -> Floats:
     lanes = block.shape[2]
     coefficients = np.zeros((len(basis) * lanes, len(block) * lanes))
     if len(basis):
-        _take_out(basis, block, coefficients)
+        (_take_out_fours if lanes == 4 else _take_out_eights)(basis, block, coefficients)
     return coefficients
 
 
-@compiled
 def lengths(block: Groups) -> Floats:
     """Of vectors, shape (b,)."""
-    return np.asarray(np.sqrt(squares(block)))
+    return np.asarray(np.sqrt((_squares_fours if block.shape[2] == 4 else _squares_eights)(block)))
 
 
 def orthonormalize(block: Groups) -> Floats:
@@ -65,7 +65,8 @@ def orthonormalize(block: Groups) -> Floats:
     """
     lanes = block.shape[2]
     triangle = np.eye(len(block) * lanes)
-    if not _make_orthonormal(block, triangle):
+    make = _make_fours_orthonormal if lanes == 4 else _make_eights_orthonormal
+    if not make(block, triangle):
         columns, upper = np.linalg.qr(np.concatenate(list(block), axis=1))
         for i, group in enumerate(block):
             group[:] = columns[:, i * lanes : (i + 1) * lanes]
@@ -73,15 +74,48 @@ def orthonormalize(block: Groups) -> Floats:
     return triangle
 
 
+# Either width is compiled where it is used and not before.
+
+
 @compiled
-def _make_orthonormal(block: Groups, triangle: Floats) -> bool:
+def _take_out_fours(basis: Groups, block: Groups, coefficients: Floats) -> None:
+    _take_out(basis, block, coefficients, four(0.0))
+
+
+@compiled
+def _take_out_eights(basis: Groups, block: Groups, coefficients: Floats) -> None:
+    _take_out(basis, block, coefficients, eight(0.0))
+
+
+@compiled
+def _make_fours_orthonormal(block: Groups, triangle: Floats) -> bool:
+    return _make_orthonormal(block, triangle, four(0.0))
+
+
+@compiled
+def _make_eights_orthonormal(block: Groups, triangle: Floats) -> bool:
+    return _make_orthonormal(block, triangle, eight(0.0))
+
+
+@compiled
+def _squares_fours(block: Groups) -> Floats:
+    return squares(block, four(0.0))
+
+
+@compiled
+def _squares_eights(block: Groups) -> Floats:
+    return squares(block, eight(0.0))
+
+
+@compiled
+def _make_orthonormal(block: Groups, triangle: Floats, zero: Lanes) -> bool:
     """Make vectors orthonormal; what they were made of is put into `triangle`.
 
     False where they are too near to dependent, with as much done as could be.
     """
     for _ in range(2):
         gram = np.zeros_like(triangle)
-        project(block, block, gram)
+        project(block, block, gram, zero)
         sizes = np.sqrt(np.diag(gram))
         if not sizes.min() > 0:
             return False
@@ -89,7 +123,7 @@ def _make_orthonormal(block: Groups, triangle: Floats) -> bool:
         least = np.diag(factor).min()
         if least < _DEPENDENT:
             return False
-        combine(_inverse(factor) / sizes, block)
+        combine(_inverse(factor) / sizes, block, zero)
         triangle[:] = triangle @ (sizes.reshape((-1, 1)) * factor)
         if least > _INDEPENDENT:
             break
@@ -128,16 +162,16 @@ def _inverse(triangle: Floats) -> Floats:
 
 
 @compiled
-def _take_out(basis: Groups, block: Groups, coefficients: Floats) -> None:
+def _take_out(basis: Groups, block: Groups, coefficients: Floats, zero: Lanes) -> None:
     """Take the span of the basis out of `block`, and add what that was to `coefficients`."""
     taken = np.empty_like(coefficients)
     for _ in range(2):
         taken[:] = 0.0
-        project(basis, block, taken)
-        subtract(basis, taken, block)
+        project(basis, block, taken, zero)
+        subtract(basis, taken, block, zero)
         coefficients += taken
         # Twice is enough (Kahan, Parlett), and once where little cancelled. What was taken is
         # orthogonal to what is left, so that their squares add up to those before.
-        left = squares(block)
+        left = squares(block, zero)
         if (left >= _CANCELLED**2 * (left + (taken**2).sum(axis=0))).all():
             break

@@ -40,57 +40,6 @@ _STRIP, _AHEAD, _LINE = 2048, 1024, 8
 are asked for; and in a line of the cache."""
 
 
-@compiled
-def project(basis: Groups, block: Groups, coefficients: Floats) -> None:
-    """Add every basis vector's products with those of the block to `coefficients`.
-
-    Shape (m, b), contiguous, for m and b vectors. A strip of the basis is read once for all of the
-    block, which stays in the cache.
-    """
-    if basis.shape[2] == 4:
-        _project(basis, block, coefficients.reshape(-1), four(0.0))
-    else:
-        _project(basis, block, coefficients.reshape(-1), eight(0.0))
-
-
-@compiled
-def subtract(basis: Groups, coefficients: Floats, block: Groups) -> None:
-    """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
-    if basis.shape[2] == 4:
-        _subtract(basis, coefficients.reshape(-1), block, four(0.0))
-    else:
-        _subtract(basis, coefficients.reshape(-1), block, eight(0.0))
-
-
-@compiled
-def combine(factors: Floats, block: Groups) -> None:
-    """Turn the vectors of a block into factors·vectors, in place; `factors` has shape (b, b)."""
-    if block.shape[2] == 4:
-        _combine(np.ascontiguousarray(-factors.T).reshape(-1), block, four(0.0))
-    else:
-        _combine(np.ascontiguousarray(-factors.T).reshape(-1), block, eight(0.0))
-
-
-@compiled
-def squares(block: Groups) -> Floats:
-    """Sums of squares of the vectors, shape (b,)."""
-    sums = np.empty(block.size // block.shape[1])
-    if block.shape[2] == 4:
-        _sum_squares(block, sums, four(0.0))
-    else:
-        _sum_squares(block, sums, eight(0.0))
-    return sums
-
-
-@compiled
-def copy_entries(groups: Groups, begin: int, entries: Floats) -> None:
-    """Fill `entries`, shape (c, m), with those of all m vectors from `begin` on."""
-    if groups.shape[2] == 4:
-        _copy_entries(groups, begin, entries, four(0.0))
-    else:
-        _copy_entries(groups, begin, entries, eight(0.0))
-
-
 def aligned_groups(count: int, n: int, lanes: int) -> Groups:
     """Room for so many groups of vectors of length n, each register within a line of the cache."""
     size = count * n * lanes
@@ -100,8 +49,13 @@ def aligned_groups(count: int, n: int, lanes: int) -> Groups:
 
 
 @compiled
-def _project(basis: Groups, block: Groups, sums: Floats, zero: Lanes) -> None:
-    length = _STRIP // width(zero)
+def project(basis: Groups, block: Groups, coefficients: Floats, zero: Lanes) -> None:
+    """Add every basis vector's products with those of the block to `coefficients`.
+
+    Shape (m, b), contiguous, for m and b vectors. A strip of the basis is read once for all of the
+    block, which stays in the cache. Here and below `zero` has as many lanes as the groups.
+    """
+    length, sums = _STRIP // width(zero), coefficients.reshape(-1)
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
         _project_strip(_strip(basis, begin), _strip(block, begin), count, sums, zero)
@@ -214,31 +168,26 @@ def _add_rows(rows: _Eight, sums: Floats, place: int, apart: int, n_rows: int) -
 
 
 @compiled
-def _subtract(basis: Groups, factors: Floats, block: Groups, zero: Lanes) -> None:
-    length = _STRIP // width(zero)
+def subtract(basis: Groups, coefficients: Floats, block: Groups, zero: Lanes) -> None:
+    """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
+    length, factors = _STRIP // width(zero), coefficients.reshape(-1)
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
         _subtract_strip(_strip(basis, begin), _strip(block, begin), count, factors, zero)
 
 
 @compiled
-def _combine(factors: Floats, block: Groups, zero: Lanes) -> None:
-    n, lanes = block.shape[1], block.shape[2]
-    length = _STRIP // lanes
-    others, room = block.reshape(-1), np.empty(len(block) * _STRIP)
+def combine(factors: Floats, block: Groups, zero: Lanes) -> None:
+    """Turn the vectors of a block into factors·vectors, in place; `factors` has shape (b, b)."""
+    coefficients = np.ascontiguousarray(-factors.T)
     if len(block) == 1:
-        second, n_rows = _second_four(0, (others, 0, 0, 1), lanes)
-        _combine_one(others, n, second, _eight_rows(factors, 0, lanes, n_rows, zero))
-        return
-    for begin in range(0, n, length):
-        count = min(length, n - begin)
-        for q in range(len(block)):
-            place = (q * n + begin) * lanes
-            for i in range(0, count * lanes, lanes):
-                store(load(zero, others, place + i), room, q * _STRIP + i)
-                store(zero, others, place + i)
-        copied = (room, 0, _STRIP, len(block))
-        _subtract_strip(copied, _strip(block, begin), count, factors, zero)
+        second, n_rows = _second_four(0, _strip(block, 0), width(zero))
+        rows = _eight_rows(coefficients.reshape(-1), 0, width(zero), n_rows, zero)
+        _combine_one(block.reshape(-1), block.shape[1], second, rows)
+    else:
+        old = block.copy()
+        block[:] = 0.0
+        subtract(old, coefficients, block, zero)
 
 
 @compiled
@@ -344,9 +293,10 @@ def _subtract_from_one(
 
 
 @compiled
-def _sum_squares(block: Groups, sums: Floats, zero: Lanes) -> None:
+def squares(block: Groups, zero: Lanes) -> Floats:
+    """Sums of squares of the vectors, shape (b,)."""
     n, lanes = block.shape[1], block.shape[2]
-    numbers = block.reshape(-1)
+    numbers, sums = block.reshape(-1), np.empty(len(block) * lanes)
     for q in range(len(block)):
         a, b, p = zero, zero, q * n * lanes
         for _ in range(n // 2):
@@ -357,6 +307,22 @@ def _sum_squares(block: Groups, sums: Floats, zero: Lanes) -> None:
             x = load(zero, numbers, p)
             a = added_product(a, x, x)
         store(added(a, b), sums, q * lanes)
+    return sums
+
+
+def copy_entries(groups: Groups, begin: int, entries: Floats) -> None:
+    """Fill `entries`, shape (c, m), with those of all m vectors from `begin` on."""
+    (_copy_four if groups.shape[2] == 4 else _copy_eight)(groups, begin, entries)
+
+
+@compiled
+def _copy_four(groups: Groups, begin: int, entries: Floats) -> None:
+    _copy_entries(groups, begin, entries, four(0.0))
+
+
+@compiled
+def _copy_eight(groups: Groups, begin: int, entries: Floats) -> None:
+    _copy_entries(groups, begin, entries, eight(0.0))
 
 
 @compiled

@@ -111,7 +111,7 @@ def orthonormalized(
     ----------
     Higham 2008, Functions of Matrices, § 8.3; Parlett 1998, The Symmetric Eigenvalue Problem, § 11.
     """
-    lower, unmeasured = _overlap(rows, workers, separation)
+    lower, unmeasured = overlap(rows, workers, separation)
     for step in range(_MOST_STEPS + 1):
         departure = float(np.abs(lower).max(initial=unmeasured))
         if departure <= _ORTHONORMAL or step == _MOST_STEPS:
@@ -124,23 +124,17 @@ def orthonormalized(
         rows[some] = stepped
         own = separated(stepped, separation.values[some])
         separation = separation.replaced(some, own)
-        lower[pairs], beyond = _overlap(stepped, workers, own)
+        lower[pairs], beyond = overlap(stepped, workers, own)
         unmeasured = max(unmeasured, beyond)
     return Orthonormal(rows, separation, departure)
 
 
 def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Floats, float]:
-    """Inner products of all rows less those of orthonormal ones, and their largest magnitude.
+    """Inner products of all rows less those of orthonormal ones, and what others do not exceed.
 
-    The lower triangle, shape (k, k). Those that by their `separation` are negligible are left 0;
-    the largest magnitude is then not less than what these can be.
+    The lower triangle, shape (k, k). Those that by their `separation` are negligible are not
+    measured and left 0; the second is the largest that any of these can be.
     """
-    lower, unmeasured = _overlap(rows, workers, separation)
-    return lower, float(np.abs(lower).max(initial=unmeasured))
-
-
-def _overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Floats, float]:
-    """The lower triangle, and what the products that are not measured do not exceed."""
     products = np.zeros((len(rows), len(rows)))
     parts = _neighbours(len(rows))
 
