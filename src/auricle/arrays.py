@@ -44,4 +44,7 @@ def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
 
 def _is_frozen(array: NDArray[Any]) -> bool:
-    return array.base is None and array.flags.c_contiguous and not array.flags.writeable
+    if not array.flags.c_contiguous or array.flags.writeable:
+        return False
+    whole = array.base
+    return whole is None or (isinstance(whole, np.ndarray) and not whole.flags.writeable)

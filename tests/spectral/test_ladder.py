@@ -37,14 +37,14 @@ def test_a_count_that_only_fits_within_a_cluster_is_no_junction() -> None:
 
 def named(values: list[float]) -> np.ndarray:
     """Vectors that tell their eigenvalue."""
-    return np.repeat(np.array(values)[:, None], 3, axis=1)
+    return np.repeat(np.array(values)[None, :], 3, axis=0)
 
 
 def test_vectors_stay_with_their_values_while_the_ladder_grows() -> None:
     rungs = Ladder(np.array([1.0, 2, 3, 4]), named([1, 2, 3, 4]), certified=2.5, n_certified=2)
 
-    def fill(rows: np.ndarray) -> None:
-        rows[:] = named([3.5, 5, 6, 7])
+    def fill(columns: np.ndarray) -> None:
+        columns[:] = named([3.5, 5, 6, 7])
 
     rungs.replace_above(1, np.array([3.5, 5, 6, 7]), fill)
     np.testing.assert_array_equal(rungs.values, [1, 2, 3, 3.5, 5, 6, 7])

@@ -13,7 +13,7 @@ from auricle.spectral.workers import Workers
 def run_near(place: float, rng: np.random.Generator) -> LanczosRun:
     """A spectrum 0, 1, …, 1999 searched around a shift."""
     matrix = sparse.csc_array(sparse.diags_array(np.arange(2000.0)))
-    nothing = np.empty((0, 2000))
+    nothing = np.empty((2000, 0))
     effort = Effort(4, 60, 60, 1e-11)
     return LanczosRun(
         factorize(matrix, place), nothing, effort=effort, rng=rng, pause=lambda: None
@@ -27,7 +27,7 @@ def test_vectors_stay_orthonormal_also_where_an_eigenvalue_lies_next_to_the_shif
     run = run_near(700 + aside, rng)
     with Workers(2) as workers:
         vectors = run.vectors(0, workers)
-    np.testing.assert_allclose(vectors @ vectors.T, np.eye(len(vectors)), atol=1e-9)
+    np.testing.assert_allclose(vectors.T @ vectors, np.eye(vectors.shape[1]), atol=1e-9)
     # Nothing missed near the shift and nothing found twice.
     near = run.values[np.abs(run.values - 700) < 30.5]
     np.testing.assert_allclose(near, np.arange(670.0, 731.0), atol=1e-9)

@@ -51,7 +51,8 @@ def test_no_eigenvalue_is_missing_over_ten_seeds_and_six_counts(name) -> None:
                 rng=np.random.default_rng(seed),
                 workers=WORKERS,
             )
-            assert len(found.values) > count
+            assert len(found.values) == found.n_counted >= count
+            assert (truth < found.complete_below).sum() == found.n_counted
             np.testing.assert_allclose(
                 found.values, truth[: len(found.values)], atol=1e-9 * truth[max(count, 10)]
             )

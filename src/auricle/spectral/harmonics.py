@@ -6,18 +6,19 @@ import numpy as np
 from scipy import sparse
 from threadpoolctl import threadpool_limits
 
-from auricle.arrays import Floats, Integers, Modes, PerMode, PerVertex, frozen, read_only
-from auricle.compiled import compiled
+from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
-from auricle.spectral.factorization import ShiftedFactorization, analyze, factorize, in_order
+from auricle.spectral.factorization import SymbolicFactorization, analyze, factorize, in_order
+from auricle.spectral.ladder import end_of_cluster
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
+from auricle.spectral.mode_arrays import modes_in_place
 from auricle.spectral.orthonormal_rows import Orthonormal
 from auricle.spectral.power import Spectrum
 from auricle.spectral.refinement import corrected, free_of_rounding
 from auricle.spectral.slicing import LowestPairs, lowest_eigenpairs
-from auricle.spectral.workers import Workers, slices
+from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
 
 LARGEST_RESIDUAL = 1e-9
@@ -237,7 +238,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
         require_memory(_DENSE_COPIES * 8 * n**2, f"{n_modes} harmonics of {n} vertices")
         workers.report("harmonics", 0, n_modes)
         values, vectors = workers.result(workers.submit(np.linalg.eigh, matrix.toarray()))
-        pairs = LowestPairs(values, vectors.T, np.inf, ())
+        pairs = LowestPairs(values, np.ascontiguousarray(vectors), np.inf, n, ())
     else:
         method = "block Lanczos with spectrum slicing"
         pairs = lowest_eigenpairs(
@@ -248,19 +249,20 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
             workers=workers,
             symbolic=symbolic,
         )
-    n_returned = _end_of_cluster(pairs.values, n_modes, scale)
+    n_returned = end_of_cluster(pairs.values, n_modes, scale)
     least = _least(pairs.values, scale)
-    values, vectors = pairs.values[:n_returned], pairs.vectors[:n_returned]
-    gap = _last_gap(values, pairs)
-    counted = workers.submit(factorize, matrix, gap, symbolic=symbolic)
-    free_of_rounding(matrix, vectors, values, least=least)
-    refined = corrected(matrix, vectors, values, least=least, workers=workers, symbolic=symbolic)
+    values, rows = pairs.values[:n_returned], pairs.room[:, :n_returned].T
+    counted = workers.submit(_counted, matrix, pairs, n_returned, symbolic)
+    free_of_rounding(matrix, rows, values, least=least)
+    refined = corrected(matrix, rows, values, least=least, workers=workers, symbolic=symbolic)
     found = refined.separation.values
     certificate = _certificate(refined, workers.result(counted), operator=operator)
     certificate = replace(certificate, n_asked=n_modes, method=method, retries=pairs.retries)
     _require_certificate(certificate)
     values = np.where(np.arange(n_returned) < certificate.n_zero_modes, 0.0, found)
-    modes = _modes(refined.rows, order, operator.areas, workers)
+    if refined.rows is not rows:
+        rows[:] = refined.rows
+    modes = modes_in_place(pairs.room, n_returned, order, operator.areas, workers)
     return Harmonics(values, modes, operator.areas, operator.kind, certificate)
 
 
@@ -276,29 +278,28 @@ def _symmetrized(operator: Laplacian) -> sparse.csc_array:
     return sparse.csc_array(roots @ operator.stiffness @ roots)
 
 
-def _end_of_cluster(values: Floats, n_modes: int, scale: float) -> int:
-    """The least count from `n_modes` up that does not cut through equal eigenvalues."""
-    gaps = np.diff(values[n_modes - 1 :])
-    separate = gaps > _CLUSTER_GAP * np.maximum(values[n_modes - 1 : -1], scale)
-    return n_modes + int(separate.argmax()) if separate.any() else len(values)
+def _counted(
+    matrix: sparse.csc_array, pairs: LowestPairs, n_returned: int, symbolic: SymbolicFactorization
+) -> tuple[float, int]:
+    """A number between the last eigenvalue returned and the next one, and the count below it.
 
-
-def _last_gap(values: PerMode, pairs: LowestPairs) -> float:
-    """A number between the last of the values returned and the eigenvalue that follows.
-
+    The search's own last count is that of those returned, but for clusters and shifts that moved.
     All that was found may be asked for: then the next is only known to lie beyond the height up
     to which none is missing.
     """
-    further = pairs.values[len(values) :]
-    last = float(values[-1])
+    if n_returned == len(pairs.values) and np.isfinite(pairs.complete_below):
+        return pairs.complete_below, pairs.n_counted
+    last = float(pairs.values[n_returned - 1])
+    further = pairs.values[n_returned:]
     following = float(further[0]) if len(further) else min(pairs.complete_below, 2 * last)
-    return 0.5 * (last + following)
+    factors = factorize(matrix, 0.5 * (last + following), symbolic=symbolic)
+    return factors.shift, factors.n_below
 
 
 def _certificate(
-    found: Orthonormal, count: ShiftedFactorization, *, operator: Laplacian
+    found: Orthonormal, counted: tuple[float, int], *, operator: Laplacian
 ) -> Certificate:
-    """Of eigenpairs of the symmetrised matrix, whose eigenvalues `count` counts to the last gap."""
+    """Of eigenpairs of the symmetrised matrix, given the last gap and the count below that."""
     values = found.separation.values
     scale, n_modes = 4 * np.pi / operator.areas.sum(), len(values)
     n_zero = int((values < _CLUSTER_GAP * scale).sum())
@@ -306,45 +307,13 @@ def _certificate(
     return Certificate(
         n_asked=n_modes,
         n_modes=n_modes,
-        gap_per_mm2=count.shift,
-        eigenvalues_below_gap=count.n_below,
+        gap_per_mm2=counted[0],
+        eigenvalues_below_gap=counted[1],
         largest_residual=float(found.separation.relative_residuals(first).max()),
         largest_orthogonality_error=found.departure,
         n_zero_modes=n_zero,
         method="",
     )
-
-
-def _modes(rows: Floats, order: Integers, areas: PerVertex, workers: Workers) -> Modes:
-    """Eigenvectors of the symmetrised matrix as orthonormal under the areas, with their sign.
-
-    Entries of `rows` belong to the vertices in `order`.
-    """
-    modes, roots = np.empty(rows.shape[::-1]), 1 / np.sqrt(areas[order])
-
-    def fill(some: slice) -> None:
-        _fill_modes(rows[some], order, roots, modes[:, some])
-
-    workers.each(fill, slices(len(rows), _ROWS_AT_ONCE))
-    return frozen(modes)
-
-
-@compiled
-def _fill_modes(rows: Floats, order: Integers, roots: PerVertex, modes: Floats) -> None:
-    """Set each mode, a column, from a row; all at once, so that whole lines are written."""
-    signs = np.ones(len(rows))
-    for i in range(len(rows)):
-        high, low = 0.0, 0.0
-        for p in range(len(order)):
-            value = rows[i, p] * roots[p]
-            high = value if value > high else high
-            low = value if value < low else low
-        if -low > high:
-            signs[i] = -1.0
-    for p in range(len(order)):
-        mode, root = modes[order[p]], roots[p]
-        for i in range(len(rows)):
-            mode[i] = signs[i] * (rows[i, p] * root)
 
 
 def _require_certificate(certificate: Certificate) -> None:

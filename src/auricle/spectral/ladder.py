@@ -10,6 +10,8 @@ from auricle.spectral.factorization import ShiftedFactorization
 
 _AGREEMENT = 1e-8
 """Share of a slice within which two runs' eigenvalues are the same."""
+_CLUSTER_GAP = 1e-7
+"""Of an eigenvalue, or of the surface's scale if that is more: those no further apart are equal."""
 
 
 @dataclass(eq=False)
@@ -17,7 +19,7 @@ class Ladder:
     """Eigenpairs found so far, ascending, with what was retried on the way.
 
     Every eigenvalue under `certified` is on the ladder; above it some may still be missing. `room`
-    has rows for more vectors than there are values, and grows where these do not suffice.
+    has columns for more vectors than there are values, and grows where these do not suffice.
     """
 
     values: Floats
@@ -28,31 +30,32 @@ class Ladder:
 
     @property
     def vectors(self) -> Floats:
-        """Eigenvectors, one a row, shape (c, n); they change with the ladder."""
-        return self.room[: len(self.values)]
+        """Eigenvectors, one a column, shape (n, c); they change with the ladder."""
+        return self.room[:, : len(self.values)]
 
     def add(self, values: Floats, vectors: Floats) -> None:
-        """Take in new pairs, one a row of `vectors`."""
+        """Take in new pairs, one a column of `vectors`."""
         together = np.concatenate([self.values, values])
-        rows = np.concatenate([self.vectors, vectors])
+        columns = np.concatenate([self.vectors, vectors], axis=1)
         order = np.argsort(together, kind="stable")
         self._make_room(len(order))
-        self.values, self.room[: len(order)] = together[order], rows[order]
+        self.values, self.room[:, : len(order)] = together[order], columns[:, order]
 
     def replace_above(self, kept: int, values: Floats, fill: Callable[[Floats], object]) -> None:
         """Keep `kept` pairs above the certified ones, then go on with these.
 
-        `fill` is to set the rows it is given to their vectors.
+        `fill` is to set the columns it is given to their vectors.
         """
         height = self.n_certified + kept
         self._make_room(height + len(values))
-        fill(self.room[height : height + len(values)])
+        fill(self.room[:, height : height + len(values)])
         self.values = np.concatenate([self.values[:height], values])
 
     def _make_room(self, count: int) -> None:
-        if count > len(self.room):
-            larger = np.empty((max(count, 2 * len(self.room)), self.room.shape[1]))
-            larger[: len(self.values)] = self.vectors
+        n, n_columns = self.room.shape
+        if count > n_columns:
+            larger = np.empty((n, max(count, 2 * n_columns)))
+            larger[:, : len(self.values)] = self.vectors
             self.room = larger
 
     def certify(self, factors: ShiftedFactorization) -> None:
@@ -60,8 +63,8 @@ class Ladder:
         self.certified, self.n_certified = factors.shift, factors.n_below
 
     def from_value(self, low: float) -> Floats:
-        """Eigenvectors with eigenvalues from `low` up, one a row, shape (c, n)."""
-        return self.vectors[int(np.searchsorted(self.values, low)) :]
+        """Eigenvectors with eigenvalues from `low` up, one a column, shape (n, c)."""
+        return self.vectors[:, int(np.searchsorted(self.values, low)) :]
 
     def n_below(self, value: float) -> int:
         """How many eigenvalues on the ladder lie below `value`."""
@@ -93,3 +96,14 @@ def junction(
         return None
     kept = int(np.argmax(np.where(complete, gaps, -np.inf)))
     return kept, int(following[kept])
+
+
+def end_of_cluster(values: Floats, count: int, scale: float) -> int:
+    """The least number from `count` up that does not cut through equal eigenvalues.
+
+    >>> end_of_cluster(np.array([0.0, 2.0, 2.0, 2.0, 6.0]), 2, 1.0)
+    4
+    """
+    apart = np.diff(values[count - 1 :])
+    separate = apart > _CLUSTER_GAP * np.maximum(values[count - 1 : -1], scale)
+    return count + int(separate.argmax()) if separate.any() else len(values)

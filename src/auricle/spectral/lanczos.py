@@ -9,8 +9,8 @@ import numpy as np
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
 from auricle.spectral.gram_schmidt import lengths, orthogonalize, orthonormalize
-from auricle.spectral.narrow_products import aligned_groups, copy_entries
-from auricle.spectral.side_by_side import set_side_by_side
+from auricle.spectral.narrow_products import aligned_groups
+from auricle.spectral.ritz_vectors import fill_combinations
 from auricle.spectral.workers import Workers
 
 VECTORS_PER_PAIR = 2.2
@@ -22,8 +22,6 @@ _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
-_STRIP = 1024
-"""Entries of all vectors that are worked on at a time and stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ class LanczosRun:
     factors
         Of the shifted matrix.
     known
-        Orthonormal eigenvectors to stay orthogonal to, one a row, shape (c, n); c may be 0.
+        Orthonormal eigenvectors to stay orthogonal to, one a column, shape (n, c); c may be 0.
     effort
         Width and length of the run.
     rng
@@ -106,15 +104,16 @@ class LanczosRun:
         self._scale, self._least, self._lost = 0.0, _LEAST_LOST, (_LEAST_LOST, _LEAST_LOST)
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_steps = effort, 0
-        lanes, n, n_groups = effort.lanes, factors.size, effort.room(len(known))
+        lanes, n, n_groups = effort.lanes, factors.size, effort.room(known.shape[1])
         # Filled as the run grows: what is never reached takes no memory.
         if numbers is None:
             numbers = aligned_groups(n_groups, n, lanes)
         self._basis = numbers.reshape(-1)[: n_groups * n * lanes].reshape(n_groups, n, lanes)
-        self._n_known = -(-len(known) // lanes)
+        self._n_known = -(-known.shape[1] // lanes)
         self._basis[: self._n_known] = 0.0
-        for group, first in zip(self._basis, range(0, len(known), lanes), strict=False):
-            set_side_by_side(known[first : first + lanes], group.reshape(-1), lanes)
+        for group, first in zip(self._basis, range(0, known.shape[1], lanes), strict=False):
+            some = known[:, first : first + lanes]
+            group[:, : some.shape[1]] = some
         self._projected = np.zeros((effort.block * effort.most, effort.block * effort.most))
         self._weights = np.empty((0, 0))
         start = self._basis[self._n_known : self._n_known + effort.block // lanes]
@@ -146,25 +145,20 @@ class LanczosRun:
         return self.factors.shift + 1 / nearest_first
 
     def vectors(self, first: int, workers: Workers) -> Floats:
-        """Orthonormal eigenvectors of `values` from index `first` on, one a row, shape (c, n)."""
-        found = np.empty((len(self.values) - first, self.factors.size))
+        """Orthonormal eigenvectors of `values` from index `first` on, as columns, shape (n, c)."""
+        found = np.empty((self.factors.size, len(self.values) - first))
         self.fill_vectors(first, found, workers=workers)
         return found
 
-    def fill_vectors(self, first: int, rows: Floats, *, workers: Workers) -> None:
-        """Set rows to what `vectors` returns, in two halves that are made side by side."""
+    def fill_vectors(self, first: int, columns: Floats, *, workers: Workers) -> None:
+        """Set columns to the first of what `vectors` returns, in halves made side by side."""
         n_groups = len(self._weights) // self._effort.lanes
         own = self._basis[self._n_known : self._n_known + n_groups]
-        weights = np.ascontiguousarray(self._weights[:, first:].T)
+        weights = np.ascontiguousarray(self._weights[:, first : first + columns.shape[1]].T)
         n = self.factors.size
 
         def fill(half: slice) -> None:
-            room = np.empty((_STRIP, len(self._weights)))
-            for begin in range(half.start, half.stop, _STRIP):
-                some = slice(begin, min(begin + _STRIP, half.stop))
-                entries = room[: some.stop - begin]
-                copy_entries(own, begin, entries)
-                np.matmul(weights, entries.T, out=rows[:, some])
+            fill_combinations(own, weights, columns, half)
 
         workers.each(fill, [slice(0, n // 2), slice(n // 2, n)])
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,6 +18,8 @@ _ORTHONORMAL = 5e-11
 _SINGLE = 1e-8
 """Departure that single precision suffices to correct for: its error is 1e-7 of that."""
 _MOST_STEPS, _PARTS = 4, 4
+_Block: TypeAlias = tuple[slice, slice]
+"""Of a matrix: rows and columns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,22 +139,68 @@ def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Flo
     measured and left 0; the second is the largest that any of these can be.
     """
     products = np.zeros((len(rows), len(rows)))
-    parts = _neighbours(len(rows))
+    blocks, unmeasured = _blocks(separation, 0, len(rows))
 
-    def fill(i: int) -> float:
-        first, unmeasured = 0, 0.0
-        while first < i:
-            most = separation.most(parts[i], parts[first])
-            if most > _NEGLIGIBLE:
-                break
-            first, unmeasured = first + 1, max(unmeasured, most)
-        near = slice(parts[first].start, parts[i].stop)
-        np.matmul(rows[parts[i]], rows[near].T, out=products[parts[i], near])
-        return unmeasured
+    def fill(block: _Block) -> None:
+        some, others = block
+        np.matmul(rows[some], rows[others].T, out=products[block])
 
-    unmeasured = workers.each(fill, range(len(parts)))
+    # The largest first, so that threads end together.
+    workers.each(fill, sorted(blocks, key=_size, reverse=True))
     products[np.diag_indices_from(products)] -= 1.0
-    return np.tril(products), max(unmeasured)
+    return np.tril(products), unmeasured
+
+
+def _blocks(separation: Separation, begin: int, end: int) -> tuple[list[_Block], float]:
+    """What is to be measured among some rows, as few blocks, and what others do not exceed.
+
+    The triangle is cut into two of half the size, each a product of rows with themselves that
+    takes half the time, and what is between them.
+    """
+    middle = (begin + end) // 2
+    blocks, unmeasured = _between(separation, slice(middle, end), slice(begin, middle))
+    for half in (slice(begin, middle), slice(middle, end)):
+        if half.stop - half.start <= _NEIGHBOURS or not _any_apart(separation, half, half):
+            within, most = [(half, half)], 0.0
+        else:
+            within, most = _blocks(separation, half.start, half.stop)
+        blocks, unmeasured = blocks + within, max(unmeasured, most)
+    return blocks, unmeasured
+
+
+def _between(separation: Separation, some: slice, lower: slice) -> tuple[list[_Block], float]:
+    """The same among the products of some rows with lower ones."""
+    if some.start == some.stop or lower.start == lower.stop:
+        return [], 0.0
+    most = separation.most(some, lower)
+    if most <= _NEGLIGIBLE:
+        return [], most
+    if _size((some, lower)) <= _NEIGHBOURS**2 or not _any_apart(separation, some, lower):
+        return [(some, lower)], 0.0
+    blocks: list[_Block] = []
+    unmeasured = 0.0
+    for part in _halves(some):
+        for other in _halves(lower):
+            here, most = _between(separation, part, other)
+            blocks, unmeasured = blocks + here, max(unmeasured, most)
+    return blocks, unmeasured
+
+
+def _any_apart(separation: Separation, some: slice, lower: slice) -> bool:
+    """Whether those of two ranges that are furthest apart need not be measured."""
+    last = slice(max(some.stop - _NEIGHBOURS, some.start), some.stop)
+    first = slice(lower.start, min(lower.start + _NEIGHBOURS, lower.stop))
+    return separation.most(last, first) <= _NEGLIGIBLE
+
+
+def _halves(some: slice) -> tuple[slice, slice]:
+    middle = (some.start + some.stop) // 2
+    return slice(some.start, middle), slice(middle, some.stop)
+
+
+def _size(block: _Block) -> int:
+    some, others = block
+    return int((some.stop - some.start) * (others.stop - others.start))
 
 
 def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:

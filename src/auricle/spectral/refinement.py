@@ -114,8 +114,8 @@ def corrected(
         # Those nearly poor would be the next to be so.
         some = np.flatnonzero(relative > _NEARLY * _ENOUGH)
         factors = factorize(matrix, -float(known.values.max()), symbolic=symbolic)
-        rows = _solved_for(matrix, rows, some, factors, workers)
-        known = separated(rows, known.values)
+        _solve_for(matrix, rows, some, factors, workers)
+        known = known.replaced(some, separated(rows[some], known.values[some]))
     found = orthonormalized(rows, known, separated, workers)
     before = np.inf
     for _ in range(_CORRECTIONS):
@@ -128,7 +128,7 @@ def corrected(
         poor = np.flatnonzero(known.relative_residuals(least) > _ENOUGH)
         for shift, some in _by_height(known.values, poor, least):
             factors = factorize(matrix, shift, symbolic=symbolic)
-            rows = _solved_for(matrix, rows, some, factors, workers)
+            _solve_for(matrix, rows, some, factors, workers)
         found = orthonormalized(rows, separated(rows, known.values), separated, workers)
     return found
 
@@ -172,21 +172,19 @@ def _rotated(matrix: sparse.csc_array, rows: Floats, workers: Workers) -> tuple[
     return values, rotation.T @ rows
 
 
-def _solved_for(
+def _solve_for(
     matrix: sparse.csc_array,
     rows: Floats,
     poor: Integers,
     factors: ShiftedFactorization,
     workers: Workers,
-) -> Floats:
-    """Rows with what is left over of the poor ones solved for: a step of inverse iteration."""
-    better = rows.copy()
+) -> None:
+    """Solve, in place, for what is left over of the poor rows: a step of inverse iteration."""
 
     def fill(some: slice) -> None:
         wrong = rows[poor[some]]
         left_over = row_products(matrix, wrong)
         left_over -= np.einsum("kn,kn->k", wrong, left_over)[:, None] * wrong
-        better[poor[some]] -= factors.solve(left_over.T).T
+        rows[poor[some]] = wrong - factors.solve(left_over.T).T
 
     workers.each(fill, slices(len(poor), _AT_ONCE))
-    return better

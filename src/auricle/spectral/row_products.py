@@ -44,7 +44,6 @@ def row_products(matrix: sparse.csc_array, rows: Floats) -> Floats:
     [[4.0, 3.0]]
     """
     products = np.empty(rows.shape)
-    rows = np.ascontiguousarray(rows, dtype=np.float64)
     entries = (matrix.indptr, matrix.indices, matrix.data)
     for first in range(0, len(rows), _WIDE):
         some = slice(first, first + _WIDE)
@@ -77,7 +76,6 @@ def row_quotients(
     ([1.0, 0.0], [0.0, 1.0])
     """
     values, norms = np.empty(len(rows)), np.empty(len(rows))
-    rows = np.ascontiguousarray(rows, dtype=np.float64)
     entries = (matrix.indptr, matrix.indices, matrix.data)
     for first in range(0, len(rows), _WIDE):
         some = slice(first, first + _WIDE)

@@ -12,7 +12,7 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
-from auricle.spectral.ladder import Ladder
+from auricle.spectral.ladder import Ladder, end_of_cluster
 from auricle.spectral.workers import Workers
 
 AT_ONCE = 2
@@ -22,9 +22,8 @@ _REACH, _REACH_VERTICES = 40, 10_000
 
 Factors cost more than vectors on larger ones, so that runs are worth being longer there.
 """
-_BEYOND, _SURPLUS, _PLACINGS = 3, 20, 4
-"""Eigenvalues beyond those wanted that the last count is to be made above; how many more may be
-there; and how often that is tried."""
+BEYOND = 6
+"""Eigenvalues beyond those wanted that the last run is to reach: there the last count is made."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +52,15 @@ class NextShifts:
     ----------
     searched
         Ascending; eigenpairs are to be found around each.
+    wanted
+        How many eigenvalues the last of them is to complete; None if others will be above it.
     ceiling
-        Just above all that is wanted, where counting is enough; None if that is still far.
+        Just above all that is wanted, where counting is enough, if all that is known already.
     """
 
     searched: Sequence[ShiftedFactorization]
-    ceiling: ShiftedFactorization | None
+    wanted: int | None = None
+    ceiling: ShiftedFactorization | None = None
 
 
 def next_shifts(
@@ -70,9 +72,11 @@ def next_shifts(
     of eigenvalues met so far; one that turns out much further up is left for another time.
     """
     known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
-    if known >= count + 2:
-        return NextShifts((), factorable.at(widest_gap(ladder.values[count:])))
-    spacing, left = 1 / density, count + _BEYOND - known
+    gap = gap_above(ladder.values, count, 1 / density)
+    if gap is not None:
+        return NextShifts((), ceiling=factorable.at(gap))
+    count = max(count, known)
+    spacing, left = 1 / density, count + BEYOND - known
     n_runs = _shares(left, factorable.reach)
     heights = [known + left * (1 + 2 * i) / (2 * n_runs) for i in range(min(n_runs, AT_ONCE))]
     places = [low + (height - n_low) * spacing for height in heights]
@@ -88,9 +92,8 @@ def next_shifts(
         known = factors.n_below + factorable.reach
     if not searched:
         searched.append(_nearer(factorable, ladder, tried[0]))
-    if len(searched) < n_runs or searched[-1].n_below > count:
-        return NextShifts(searched, None)
-    return NextShifts(searched, _ceiling(factorable, searched[-1], count=count, spacing=spacing))
+    to_the_end = len(searched) == n_runs and searched[-1].n_below <= count
+    return NextShifts(searched, wanted=count if to_the_end else None)
 
 
 def _shares(left: int, reach: int) -> int:
@@ -100,27 +103,16 @@ def _shares(left: int, reach: int) -> int:
     return AT_ONCE * max(round(left / (2 * reach * AT_ONCE)), 1)
 
 
-def _ceiling(
-    factorable: Factorable, below: ShiftedFactorization, *, count: int, spacing: float
-) -> ShiftedFactorization | None:
-    """Factors with at least one eigenvalue more below them than are wanted, and not many more.
+def gap_above(values: Floats, count: int, scale: float) -> float | None:
+    """A number that separates the lowest `count` values, and those equal to them, from others.
 
-    Placed as if eigenvalues went on as they did, and again by how many are counted there.
+    None where there are no others.
+
+    >>> gap_above(np.array([0.0, 2.0, 2.0, 2.0, 6.0]), 2, 1.0)
+    4.0
     """
-    wanted, best = count + _BEYOND, None
-    low, n_low = below.shift, below.n_below
-    for _ in range(_PLACINGS):
-        factors = factorable.at(low + (wanted - n_low) * spacing)
-        n_here = factors.n_below
-        if n_here > n_low:
-            spacing = (factors.shift - low) / (n_here - n_low)
-        if n_here <= count:
-            low, n_low = factors.shift, n_here
-            continue
-        best = factors
-        if n_here <= wanted + _SURPLUS:
-            break
-    return best
+    end = end_of_cluster(values, count, scale)
+    return float(values[end - 1] + values[end]) / 2 if end < len(values) else None
 
 
 def widest_gap(values: Floats) -> float:

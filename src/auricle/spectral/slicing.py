@@ -19,7 +19,15 @@ from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
 from auricle.spectral.memory import require_memory
 from auricle.spectral.narrow_products import aligned_groups
-from auricle.spectral.shifts import AT_ONCE, Factorable, NextShifts, next_shifts, widest_gap
+from auricle.spectral.shifts import (
+    AT_ONCE,
+    BEYOND,
+    Factorable,
+    NextShifts,
+    gap_above,
+    next_shifts,
+    widest_gap,
+)
 from auricle.spectral.workers import Workers
 
 _TOLERANCE = 1e-11
@@ -46,7 +54,7 @@ _GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
 spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
-_SPARE = 100
+_SPARE = 8
 """Eigenpairs above those wanted that a search is likely to find."""
 _LIKELY_VECTORS, _COPIES = 400, 4
 """For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
@@ -58,18 +66,21 @@ class LowestPairs:
 
     Attributes
     ----------
-    values, vectors
-        Eigenvalues, shape (c,), ascending, and nearly orthonormal eigenvectors, one a row, shape
-        (c, n).
-    complete_below
-        No eigenvalue under this is missing; above the last of `values`.
+    values
+        Eigenvalues, shape (c,), ascending.
+    room
+        Nearly orthonormal eigenvectors, one a column, the first c of shape (n, c or more).
+    complete_below, n_counted
+        No eigenvalue under this is missing; above the last of `values`. How many inertia counts
+        there.
     retries
         What had to be searched for again, one phrase each.
     """
 
     values: Floats
-    vectors: Floats
+    room: Floats
     complete_below: float
+    n_counted: int
     retries: tuple[str, ...]
 
 
@@ -82,14 +93,15 @@ def lowest_eigenpairs(
     workers: Workers,
     symbolic: SymbolicFactorization | None = None,
 ) -> LowestPairs:
-    """More than `count` lowest eigenpairs of a symmetric positive semi-definite matrix.
+    """At least `count` lowest eigenpairs of a symmetric positive semi-definite matrix.
 
     Parameters
     ----------
     matrix
         Sparse, symmetric, shape (n, n).
     count
-        How many are wanted, well below n; a few more come back.
+        How many are wanted, well below n; more come back where that would cut through equal
+        eigenvalues.
     density
         Expected number of eigenvalues per unit of eigenvalue (Weyl: area / 4π), for the first
         shift; later shifts follow the density met.
@@ -114,15 +126,16 @@ def lowest_eigenpairs(
     )
     factorable = Factorable(matrix, symbolic)
     n = len(matrix.indptr) - 1
-    ladder = Ladder(np.empty(0), np.empty((count + _SPARE, n)), certified=-1 / density)
+    ladder = Ladder(np.empty(0), np.empty((n, count + _SPARE)), certified=-1 / density)
     # Used by one run after another: a system sets new pages to zero, or has to ask for them.
     n_groups = _MOST_VECTORS // _SEARCH_BLOCK + 1
     bases = [aligned_groups(n_groups, n, _SEARCH_BLOCK) for _ in range(workers.threads)]
     workers.report("harmonics", 0, count)
-    while ladder.n_certified <= count:
+    ended = False
+    while not ended:
         low, n_low = ladder.certified, ladder.n_certified
         # Not named: factors are let go before the next are made.
-        _climb(
+        ended = _climb(
             next_shifts(factorable, ladder, count=count, density=density, workers=workers),
             ladder,
             factorable.at,
@@ -130,11 +143,16 @@ def lowest_eigenpairs(
             rng=rng,
             workers=workers,
         )
+        ended = ended or ladder.n_certified > count
         density = max(ladder.n_certified - n_low, 1) / (ladder.certified - low)
         workers.report("harmonics", min(ladder.n_certified, count), count)
-    found = slice(0, ladder.n_certified)
-    values, vectors = ladder.values[found], ladder.vectors[found]
-    return LowestPairs(values, vectors, ladder.certified, tuple(ladder.retries))
+    return LowestPairs(
+        ladder.values[: ladder.n_certified],
+        ladder.room,
+        ladder.certified,
+        ladder.n_certified,
+        tuple(ladder.retries),
+    )
 
 
 def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
@@ -152,10 +170,11 @@ def _climb(
     bases: Sequence[Floats],
     rng: np.random.Generator,
     workers: Workers,
-) -> None:
+) -> bool:
     """Put every eigenpair under the shifts on the ladder, and those found on the way above them.
 
-    A shift that turns out too near an eigenvalue is moved: `move` factors at another.
+    A shift that turns out too near an eigenvalue is moved: `move` factors at another. Returns
+    whether all that is wanted is certified.
     """
     searched = shifts.searched
     following: list[ShiftedFactorization | None] = [*searched[1:], None]
@@ -164,7 +183,7 @@ def _climb(
             _run,
             factors,
             own,
-            partial(_lacks, ladder, lower=lower, higher=higher, ceiling=shifts.ceiling),
+            partial(_lacks, ladder, lower=lower, higher=higher, wanted=shifts.wanted),
             workers.pause,
             move,
             bases[i % len(bases)],
@@ -174,23 +193,54 @@ def _climb(
         )
     ]
     begun = [workers.submit(job) for job in jobs[: len(bases)]]
+    ceiling = shifts.ceiling
     for i in range(len(jobs)):
         run = workers.result(begun[i])
         factors = run.factors
         workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
+        if shifts.wanted is not None and i == len(jobs) - 1:
+            ceiling = workers.result(workers.submit(_completed, run, ladder, shifts.wanted, move))
         joint = junction(ladder, run.values, factors)
         if joint is None:
             _search(factors, ladder, rng=rng, workers=workers)
         else:
             kept, first = joint
+            end = None if ceiling is None else int(np.searchsorted(run.values, ceiling.shift))
             fill = partial(run.fill_vectors, first, workers=workers)
-            ladder.replace_above(kept, run.values[first:], fill)
+            ladder.replace_above(kept, run.values[first:end], fill)
         ladder.certify(factors)
         # Not before its room is free.
         begun.extend(workers.submit(job) for job in jobs[len(begun) : i + 1 + len(bases)])
-    if shifts.ceiling is not None:
-        _search(shifts.ceiling, ladder, rng=rng, workers=workers)
-        ladder.certify(shifts.ceiling)
+    if ceiling is not None:
+        _search(ceiling, ladder, rng=rng, workers=workers)
+        ladder.certify(ceiling)
+    return ceiling is not None
+
+
+def _completed(
+    run: LanczosRun, ladder: Ladder, wanted: int, at: Callable[[float], ShiftedFactorization]
+) -> ShiftedFactorization | None:
+    """Factors just above all that is wanted, with all below them found by the run if it can.
+
+    None where what the run has found does not join what is known, or does not reach as high.
+    """
+    factors = run.factors
+    joint = junction(ladder, run.values, factors)
+    if joint is None:
+        return None
+    kept, first = joint
+    values = np.concatenate([ladder.values[: ladder.n_certified + kept], run.values[first:]])
+    gap = gap_above(values, wanted, factors.shift)
+    if gap is None:
+        return None
+    ceiling = at(gap)
+
+    def missing(values: Floats) -> int:
+        below, end = np.searchsorted(values, [factors.shift, ceiling.shift])
+        return max(ceiling.n_below - factors.n_below - int(end - below), 0)
+
+    run.until(missing)
+    return ceiling
 
 
 def _run(
@@ -201,7 +251,7 @@ def _run(
     move: Callable[[float], ShiftedFactorization],
     numbers: Floats,
 ) -> LanczosRun:
-    nothing = np.empty((0, factors.size))
+    nothing = np.empty((factors.size, 0))
     missing = criterion(factors)
     effort = _effort(factors, missing(np.empty(0)))
     run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause, numbers=numbers)
@@ -233,27 +283,27 @@ def _lacks(
     *,
     lower: ShiftedFactorization | None,
     higher: ShiftedFactorization | None,
-    ceiling: ShiftedFactorization | None,
+    wanted: int | None,
 ) -> Callable[[Floats], int]:
     """How much a run lacks of what lies next to its shift.
 
-    Half of what lies between it and a neighbour is its part, and all of what lies under the
-    ceiling if it is the last. The first of several joins the ladder; the others are searched
-    before it has grown to them.
+    Half of what lies between it and a neighbour is its part, and all that is wanted and a few more
+    if it is the last. The first of several joins the ladder; the others are searched before it has
+    grown to them.
     """
-    first, end = lower is None, np.inf
+    first = lower is None
     known = len(ladder.values) - ladder.n_certified
     n_below = factors.n_below - (ladder.n_certified if lower is None else lower.n_below)
     below = max(n_below - known if first else -(-n_below // 2), 0) + _MARGIN // 2
     above = _MARGIN // 2
     if higher is not None:
         above += (higher.n_below - factors.n_below) // 2
-    elif ceiling is not None:
-        above, end = ceiling.n_below - factors.n_below, ceiling.shift
+    elif wanted is not None:
+        above = wanted + BEYOND - factors.n_below
 
     def missing(values: Floats) -> int:
         found_below = int(np.searchsorted(values, factors.shift))
-        short = max(above - (int(np.searchsorted(values, end)) - found_below), 0)
+        short = max(above - (len(values) - found_below), 0)
         if not (first and _joins(ladder, factors, values)):
             # What is found below may be enough by number and yet not join.
             short = max(short, below - found_below, 1 if first else 0)

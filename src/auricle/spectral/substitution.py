@@ -88,7 +88,7 @@ def _forward(
             break
         row, p = row - again, p - again * n_columns
         places = (p, n_columns, 1, ahead)
-        sums = _eight_dots(panels, places, n_columns, (columns, known, n_right), zero)
+        sums = eight_dots(panels, places, n_columns, (columns, known, n_right), zero)
         for i in range(8):
             if i >= again:
                 _take(columns, plan.rows[row + i] * n_right + side, sums[i])
@@ -144,7 +144,7 @@ def _backward(
         k, target = k - again, target - again * n_right
         p = plan.panel_start[s] + k
         places = (p, 1, n_columns, ahead)
-        sums = _eight_dots(panels, places, height, (room, 0, width(zero)), zero)
+        sums = eight_dots(panels, places, height, (room, 0, width(zero)), zero)
         ahead += 8 * height
         for i in range(8):
             store(sums[i], columns, target + i * n_right)
@@ -156,7 +156,7 @@ def _backward(
 
 
 @compiled
-def _eight_dots(
+def eight_dots(
     panels: Floats,
     places: tuple[int, int, int, int],
     count: int,

@@ -1,0 +1,102 @@
+"""Eigenvectors turned into modes where they lie, since memory costs time to be had."""
+
+import numpy as np
+
+from auricle.arrays import Floats, Integers, Modes, PerVertex, frozen
+from auricle.compiled import compiled
+from auricle.spectral.workers import Workers, slices
+
+_MOST_UNUSED = 0.25
+"""Share of the room that may stay unused behind the modes; else they are copied out of it."""
+
+
+def modes_in_place(
+    room: Floats, count: int, order: Integers, areas: PerVertex, workers: Workers
+) -> Modes:
+    """Eigenvectors of the symmetrised matrix as orthonormal under the areas, with their sign.
+
+    Parameters
+    ----------
+    room
+        Eigenvectors, one a column, at least `count`, shape (n, c), contiguous; used up.
+    count
+        How many are wanted.
+    order
+        Vertices that the rows belong to, shape (n,).
+    areas
+        Of the vertices, mm², shape (n,).
+    workers
+        Who share the columns.
+
+    Returns
+    -------
+    Modes
+        Shape (n, count), frozen, in the memory of `room`. The entry of largest magnitude of each
+        is positive.
+
+    Examples
+    --------
+    >>> room = np.array([[-3.0, 0.0], [1.0, 0.0]])
+    >>> with Workers(1) as workers:
+    ...     modes_in_place(room, 1, np.array([1, 0]), np.array([1.0, 4.0]), workers).tolist()
+    [[-1.0], [1.5]]
+    """
+    order = np.ascontiguousarray(order, dtype=np.int64)
+    roots = 1 / np.sqrt(areas[order])
+    n, n_columns = room.shape
+    numbers = room.reshape(-1)
+    signs = _close_up(numbers, n_columns, count, roots)
+    modes = numbers[: n * count].reshape(n, count)
+
+    def turn(some: slice) -> None:
+        _turn(modes, some.start, some.stop, order, roots, signs)
+
+    workers.each(turn, slices(count, -(-count // workers.threads)))
+    if n_columns - count > _MOST_UNUSED * n_columns:
+        modes = modes.copy()
+    elif isinstance(modes.base, np.ndarray):
+        frozen(modes.base)
+    return frozen(modes)
+
+
+@compiled
+def _close_up(numbers: Floats, old: int, new: int, roots: PerVertex) -> Floats:
+    """Move rows of `old` numbers together, so that only the first `new` of each are left.
+
+    Returns for each 1 or −1: what makes the scaled entry of largest magnitude positive.
+    """
+    high, low = np.zeros(new), np.zeros(new)
+    for p in range(len(roots)):
+        source, target = numbers[p * old : p * old + new], numbers[p * new : (p + 1) * new]
+        for j in range(new):
+            target[j] = source[j]
+        for j in range(new):
+            value = target[j] * roots[p]
+            high[j] = max(high[j], value)
+            low[j] = min(low[j], value)
+    return np.where(-low > high, -1.0, 1.0)
+
+
+@compiled
+def _turn(
+    modes: Floats, begin: int, end: int, order: Integers, roots: PerVertex, signs: Floats
+) -> None:
+    """Scale the entries of some columns, and put each row where its vertex is.
+
+    Each cycle of the permutation is gone round once, with one row in hand.
+    """
+    width = end - begin
+    held, placed = np.empty(width), np.zeros(len(order), np.bool_)
+    for start in range(len(order)):
+        if placed[start]:
+            continue
+        held[:] = modes[start, begin:end]
+        p = start
+        while not placed[p]:
+            placed[p] = True
+            row = modes[order[p], begin:end]
+            for j in range(width):
+                value = signs[begin + j] * (held[j] * roots[p])
+                held[j] = row[j]
+                row[j] = value
+            p = order[p]

@@ -1,0 +1,78 @@
+"""Ritz vectors from a basis: of many long vectors a few combinations."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from auricle.arrays import Floats
+from auricle.compiled import compiled
+from auricle.spectral.lanes import eight, store
+from auricle.spectral.narrow_products import Groups, copy_entries
+from auricle.spectral.substitution import eight_dots
+
+_AT_ONCE, _STRIP = 8, 128
+"""Combinations that a register holds; entries of all vectors that stay in the cache."""
+_NOTHING = 1e-16
+"""Of a combination of length one, length of its end that is left out."""
+
+
+def fill_combinations(groups: Groups, weights: Floats, columns: Floats, some: slice) -> None:
+    """Set some entries of `columns` to those of weighted sums of vectors.
+
+    A Ritz vector near the shift has converged long before the last of its basis was made, and has
+    next to no part in that: what ends a sum with no more than 1e-16 of its length is left out.
+
+    Parameters
+    ----------
+    groups
+        Orthonormal vectors, shape (g, n, lanes).
+    weights
+        Of these, shape (c, g·lanes); each row of length one.
+    columns
+        One sum a column, shape (n, c).
+    some
+        Of the n entries, those that are set.
+
+    Examples
+    --------
+    >>> basis, columns = np.zeros((1, 3, 4)), np.zeros((3, 1))
+    >>> basis[0, :3, :3] = np.eye(3)
+    >>> fill_combinations(basis, np.array([[0.6, 0.8, 0.0, 0.0]]), columns, slice(1, 3))
+    >>> columns.tolist()
+    [[0.0], [0.8], [0.0]]
+    """
+    n_vectors = weights.shape[1]
+    side_by_side = np.zeros((-(-len(weights) // _AT_ONCE), n_vectors, _AT_ONCE))
+    for i, row in enumerate(weights):
+        side_by_side[i // _AT_ONCE, :, i % _AT_ONCE] = row
+    needed = _needed(side_by_side)
+    entries = np.zeros((_STRIP, n_vectors))
+    for begin in range(some.start, some.stop, _STRIP):
+        strip = columns[begin : min(begin + _STRIP, some.stop)]
+        copy_entries(groups, begin, entries[: len(strip)])
+        _fill_strip(entries, side_by_side, needed, strip)
+
+
+def _needed(side_by_side: Floats) -> NDArray[np.int64]:
+    """Of each eight combinations, how many vectors any of them has a part in."""
+    ends = np.cumsum(side_by_side[:, ::-1] ** 2, axis=1)[:, ::-1]
+    return np.asarray((ends > _NOTHING**2).any(axis=2).sum(axis=1))
+
+
+@compiled
+def _fill_strip(
+    entries: Floats, side_by_side: Floats, needed: NDArray[np.int64], columns: Floats
+) -> None:
+    numbers, weights, zero = entries.reshape(-1), side_by_side.reshape(-1), eight(0.0)
+    n_vectors, tile = entries.shape[1], np.empty(_AT_ONCE * _AT_ONCE)
+    for c in range(len(needed)):
+        vectors = (weights, c * n_vectors * _AT_ONCE, _AT_ONCE)
+        n_here = min(_AT_ONCE, columns.shape[1] - c * _AT_ONCE)
+        for p in range(0, len(columns), _AT_ONCE):
+            places = (p * n_vectors, n_vectors, 1, (p + _AT_ONCE) * n_vectors)
+            sums = eight_dots(numbers, places, needed[c], vectors, zero)
+            for i in range(_AT_ONCE):
+                store(sums[i], tile, i * _AT_ONCE)
+            for i in range(min(_AT_ONCE, len(columns) - p)):
+                entry = columns[p + i]
+                for j in range(n_here):
+                    entry[c * _AT_ONCE + j] = tile[i * _AT_ONCE + j]
