@@ -9,6 +9,7 @@ from scipy import sparse
 from auricle.spectral.elimination import elimination_plan
 from auricle.spectral.laplacian import laplacian
 from auricle.spectral.ordering import nested_dissection
+from auricle.spectral.workers import Workers
 from auricle.surface.cleaning import clean
 from auricle.surface.reading import read_surface
 from auricle.surface.shapes import icosphere, torus
@@ -85,3 +86,16 @@ def test_fill_grows_little_faster_than_the_surface() -> None:
         matrix = sparse.csc_array(operator.stiffness)
         per_vertex.append(fill(matrix, nested_dissection(matrix)) / matrix.shape[0])
     assert (np.diff(per_vertex) < 10).all()
+
+
+def test_two_threads_find_the_same_order() -> None:
+    """Also of several pieces, and with a row that is dense."""
+    one = laplacian(icosphere(radius=10.0, subdivisions=4)).stiffness
+    several = sparse.csc_array(sparse.block_diag([one, sparse.eye_array(3), one]))
+    starred = sparse.lil_array(one)
+    starred[5] = starred[:, 5] = 1.0
+    with Workers(2) as workers:
+        for matrix in (sparse.csc_array(one), several, sparse.csc_array(starred)):
+            np.testing.assert_array_equal(
+                nested_dissection(matrix, workers), nested_dissection(matrix)
+            )

@@ -15,6 +15,7 @@ from auricle.spectral.elimination import EliminationPlan, elimination_plan, plan
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.substitution import AT_ONCE, NARROW, WIDE, substitute
+from auricle.spectral.workers import Workers
 
 _GROWTHS, _MOST_BOLSTERS = (50.0, 1e3, 1e5, np.inf), 64
 """Largest entries that L may have: the first for which not more pivots are bolstered than is cheap
@@ -54,13 +55,15 @@ class SymbolicFactorization:
         )
 
 
-def analyze(matrix: sparse.csc_array) -> SymbolicFactorization:
+def analyze(matrix: sparse.csc_array, workers: Workers | None = None) -> SymbolicFactorization:
     """Order and plan the factorisation of a symmetric matrix; its values do not matter.
 
     Parameters
     ----------
     matrix
         Both triangles stored, shape (n, n).
+    workers
+        Who share the work, if any; the order does not depend on them.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def analyze(matrix: sparse.csc_array) -> SymbolicFactorization:
         raise SolverError(
             f"a matrix of shape {matrix.shape} is not symmetric: store both of its triangles"
         )
-    return _symbolic(matrix, elimination_plan(matrix, nested_dissection(matrix)))
+    return _symbolic(matrix, elimination_plan(matrix, nested_dissection(matrix, workers)))
 
 
 def in_order(

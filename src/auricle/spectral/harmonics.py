@@ -228,7 +228,7 @@ def operator_harmonics(
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
     matrix = _symmetrized(operator)
-    symbolic = analyze(matrix)
+    symbolic = analyze(matrix, workers)
     order = symbolic.plan.order
     matrix, symbolic = in_order(matrix, symbolic)
     scale = 4 * np.pi / operator.areas.sum()

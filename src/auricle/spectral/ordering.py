@@ -1,5 +1,6 @@
 """Fill-reducing order of elimination, by nested dissection of a sparse matrix's graph."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy import sparse
 from auricle.arrays import Integers
 from auricle.compiled import compiled
 from auricle.spectral.vertex_cut import CUT, SINK, SOURCE, Band, minimum_vertex_cut
+from auricle.spectral.workers import Workers
 
 _LEAF = 8
 """Parts of so few vertices are left as they are."""
@@ -43,7 +45,7 @@ class _Dissection(NamedTuple):
     rank: Integers
 
 
-def nested_dissection(matrix: sparse.csc_array) -> Integers:
+def nested_dissection(matrix: sparse.csc_array, workers: Workers | None = None) -> Integers:
     """Order the rows of a matrix, shape (n,), so that their elimination fills little.
 
     The graph is parted by a few vertices, which are eliminated last; then each side in the same
@@ -54,6 +56,8 @@ def nested_dissection(matrix: sparse.csc_array) -> Integers:
     ----------
     matrix
         Shape (n, n), both triangles stored; only its pattern matters.
+    workers
+        Who share the work, if any; the order does not depend on them.
 
     References
     ----------
@@ -75,7 +79,16 @@ def nested_dissection(matrix: sparse.csc_array) -> Integers:
     side = np.where(dense, CUT, _FREE)
     room = np.empty((4, n), np.int64)
     graph = _Dissection(starts, neighbours, side, room[:2], room[2], room[3])
-    _dissect(graph, vertices[: n - int(dense.sum())])
+    sparse_ones = vertices[: n - int(dense.sum())]
+    if workers is None or workers.threads == 1 or not len(sparse_ones):
+        _dissect(graph, sparse_ones)
+        return vertices
+
+    def dissect(some: slice) -> None:
+        _dissect(graph._replace(queue=graph.queue[some]), sparse_ones[some])
+
+    ends = [0, *_part(graph, sparse_ones).tolist()]
+    workers.each(dissect, [slice(*pair) for pair in pairwise(ends)])
     return vertices
 
 
@@ -83,7 +96,6 @@ def nested_dissection(matrix: sparse.csc_array) -> Integers:
 def _dissect(graph: _Dissection, vertices: Integers) -> None:
     """Put vertices in order of elimination, part after part."""
     n = len(vertices)
-    ends = np.empty(n + 1, np.int64)
     waiting = np.empty((n + 1, 2), np.int64)
     waiting[0, 0], waiting[0, 1] = 0, n
     n_waiting = 1
@@ -92,14 +104,21 @@ def _dissect(graph: _Dissection, vertices: Integers) -> None:
         begin, end = waiting[n_waiting, 0], waiting[n_waiting, 1]
         if end - begin <= _LEAF:
             continue
-        part = vertices[begin:end]
-        n_parts = _separate_pieces(graph, part, ends)
-        if n_parts == 1:
-            n_parts = _bisect(graph, part, ends)
-        for i in range(n_parts):
+        ends = _part(graph, vertices[begin:end])
+        for i in range(len(ends)):
             waiting[n_waiting, 0] = begin + (ends[i - 1] if i > 0 else 0)
             waiting[n_waiting, 1] = begin + ends[i]
             n_waiting += 1
+
+
+@compiled
+def _part(graph: _Dissection, part: Integers) -> Integers:
+    """Put a part's pieces, or both sides of a cut, one after another; returns their ends."""
+    ends = np.empty(len(part) + 1, np.int64)
+    n_parts = _separate_pieces(graph, part, ends)
+    if n_parts == 1:
+        n_parts = _bisect(graph, part, ends)
+    return ends[:n_parts]
 
 
 @compiled

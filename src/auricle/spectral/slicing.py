@@ -56,7 +56,7 @@ _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
 _SPARE = 8
 """Eigenpairs above those wanted that a search is likely to find."""
-_LIKELY_VECTORS, _COPIES = 400, 4
+_LIKELY_VECTORS, _COPIES = 400, 3
 """For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
 
 
