@@ -32,7 +32,7 @@ from auricle.spectral.workers import Workers
 
 _TOLERANCE = 1e-11
 """Of pairs that count as converged."""
-_RUN, _LARGE_RUN, _LARGE = (4, 16, _TOLERANCE), (8, 15, 1e-10), 60_000
+_RUN, _LARGE_RUN, _LARGE = (4, 17, _TOLERANCE), (8, 15, 1e-10), 60_000
 """Of a run: width of its block, blocks before the first pair converges, tolerance; and from how
 many vertices on they are others. There factors are far from the processor, so that to read them
 less often is worth more than to make few vectors; and rounding leaves as much as that tolerance.
