@@ -193,9 +193,9 @@ def _probe(
     rng: np.random.Generator,
 ) -> tuple[float, Floats]:
     factors = factorize(matrix, height, symbolic=symbolic)
-    nothing = np.empty((0, factors.size))
+    nothing = np.empty((factors.size, 0))
     run = LanczosRun(factors, nothing, effort=_EFFORT, rng=rng, pause=lambda: None).until()
     n_under = int(np.searchsorted(run.values, factors.shift))
     place = factors.n_below + 0.5 * (len(run.values) - 2 * n_under)
     with Workers(1) as workers:
-        return place, run.vectors(0, workers)
+        return place, np.ascontiguousarray(run.vectors(0, workers).T)
