@@ -28,6 +28,8 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 def read_only(array: ArrayLike, dtype: DTypeLike) -> NDArray[Any]:
     """A private, C-ordered copy of `array` that nobody can change; itself if it is `frozen`.
 
+    An unbroken part of a frozen array counts as frozen.
+
     >>> once = read_only([1, 2], np.float64)
     >>> once.flags.writeable, read_only(once, np.float64) is once
     (False, True)

@@ -10,7 +10,7 @@ from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
 from auricle.progress import Progress, silent
 from auricle.spectral.factorization import SymbolicFactorization, analyze, factorize, in_order
-from auricle.spectral.ladder import end_of_cluster
+from auricle.spectral.ladder import CLUSTER_GAP, end_of_cluster
 from auricle.spectral.laplacian import Laplacian, laplacian
 from auricle.spectral.memory import require_memory
 from auricle.spectral.mode_arrays import modes_in_place
@@ -27,8 +27,6 @@ _DENSE_SIZE = 1_500
 _DENSE_SHARE = 1 / 4
 _DENSE_COPIES = 5
 """Full matrices that LAPACK's divide and conquer holds at one time."""
-_CLUSTER_GAP = 1e-7
-_ROWS_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
@@ -268,7 +266,7 @@ def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -
 
 def _least(values: Floats, scale: float) -> float:
     """The least eigenvalue that is not zero; one of the surface's scale where all are."""
-    above = values[values > _CLUSTER_GAP * scale]
+    above = values[values > CLUSTER_GAP * scale]
     return float(above[0]) if len(above) else scale
 
 
@@ -302,7 +300,7 @@ def _certificate(
     """Of eigenpairs of the symmetrised matrix, given the last gap and the count below that."""
     values = found.separation.values
     scale, n_modes = 4 * np.pi / operator.areas.sum(), len(values)
-    n_zero = int((values < _CLUSTER_GAP * scale).sum())
+    n_zero = int((values < CLUSTER_GAP * scale).sum())
     first = values[n_zero] if n_zero < n_modes else scale
     return Certificate(
         n_asked=n_modes,

@@ -10,7 +10,7 @@ from auricle.spectral.factorization import ShiftedFactorization
 
 _AGREEMENT = 1e-8
 """Share of a slice within which two runs' eigenvalues are the same."""
-_CLUSTER_GAP = 1e-7
+CLUSTER_GAP = 1e-7
 """Of an eigenvalue, or of the surface's scale if that is more: those no further apart are equal."""
 
 
@@ -105,5 +105,5 @@ def end_of_cluster(values: Floats, count: int, scale: float) -> int:
     4
     """
     apart = np.diff(values[count - 1 :])
-    separate = apart > _CLUSTER_GAP * np.maximum(values[count - 1 : -1], scale)
+    separate = apart > CLUSTER_GAP * np.maximum(values[count - 1 : -1], scale)
     return count + int(separate.argmax()) if separate.any() else len(values)
