@@ -10,7 +10,7 @@ ONE_TO_FORTY = sparse.csc_array(sparse.diags_array(np.arange(1.0, 41.0)))
 
 
 def ladder(values: list[float], certified: float = 0.0) -> Ladder:
-    return Ladder(np.array(values), np.empty((len(values), 40)), certified=certified)
+    return Ladder(np.array(values), np.empty((40, len(values))), certified=certified, scale=1.0)
 
 
 def test_the_lower_shift_gives_what_it_found_and_the_upper_goes_on() -> None:
@@ -41,7 +41,9 @@ def named(values: list[float]) -> np.ndarray:
 
 
 def test_vectors_stay_with_their_values_while_the_ladder_grows() -> None:
-    rungs = Ladder(np.array([1.0, 2, 3, 4]), named([1, 2, 3, 4]), certified=2.5, n_certified=2)
+    rungs = Ladder(
+        np.array([1.0, 2, 3, 4]), named([1, 2, 3, 4]), certified=2.5, n_certified=2, scale=1.0
+    )
 
     def fill(columns: np.ndarray) -> None:
         columns[:] = named([3.5, 5, 6, 7])

@@ -19,7 +19,7 @@ def one_to(n: int) -> Factorable:
 
 
 def fresh() -> Ladder:
-    return Ladder(np.empty(0), np.empty((1, 0)), certified=0.0)
+    return Ladder(np.empty(0), np.empty((1, 0)), certified=0.0, scale=1.0)
 
 
 @pytest.mark.parametrize("count", [30, 60, 100])
@@ -42,7 +42,9 @@ def test_a_spectrum_of_many_slices_is_begun_at_its_foot() -> None:
 
 def test_what_was_found_above_the_certified_is_not_searched_again() -> None:
     """So much is known that only a count is left to be made."""
-    ladder = Ladder(np.arange(1.0, 60.0), np.empty((1, 59)), certified=20.5, n_certified=20)
+    ladder = Ladder(
+        np.arange(1.0, 60.0), np.empty((1, 59)), certified=20.5, n_certified=20, scale=1.0
+    )
     found = next_shifts(one_to(1000), ladder, count=50, density=1.0, workers=WORKERS)
     assert not found.searched
     assert found.ceiling is not None
@@ -52,7 +54,7 @@ def test_what_was_found_above_the_certified_is_not_searched_again() -> None:
 def test_the_last_count_does_not_cut_through_equal_eigenvalues() -> None:
     """As far as is known; where they reach as high as what is known, more is searched."""
     values = np.concatenate([np.arange(1.0, 50.0), np.full(5, 50.0)])
-    known = Ladder(values, np.empty((1, 54)), certified=20.5, n_certified=20)
+    known = Ladder(values, np.empty((1, 54)), certified=20.5, n_certified=20, scale=1.0)
     found = next_shifts(one_to(1000), known, count=51, density=1.0, workers=WORKERS)
     assert found.ceiling is None
     assert found.searched[0].shift > 50

@@ -20,11 +20,13 @@ class Ladder:
 
     Every eigenvalue under `certified` is on the ladder; above it some may still be missing. `room`
     has columns for more vectors than there are values, and grows where these do not suffice.
+    `scale` is that of the eigenvalues: differences far below it are rounding.
     """
 
     values: Floats
     room: Floats
     certified: float
+    scale: float
     n_certified: int = 0
     retries: list[str] = field(default_factory=list)
 
@@ -54,7 +56,7 @@ class Ladder:
     def _make_room(self, count: int) -> None:
         n, n_columns = self.room.shape
         if count > n_columns:
-            larger = np.empty((n, max(count, 2 * n_columns)))
+            larger = np.empty((n, max(count, n_columns + n_columns // 4)))
             larger[:, : len(self.values)] = self.vectors
             self.room = larger
 

@@ -53,9 +53,8 @@ def modes_in_place(
 
     workers.each(turn, slices(count, -(-count // workers.threads)))
     if n_columns - count > _MOST_UNUSED * n_columns:
-        modes = modes.copy()
-    elif isinstance(modes.base, np.ndarray):
-        frozen(modes.base)
+        return frozen(modes.copy())
+    frozen(room)
     return frozen(modes)
 
 

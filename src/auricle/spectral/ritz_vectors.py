@@ -7,6 +7,7 @@ from auricle.arrays import Floats
 from auricle.compiled import compiled
 from auricle.spectral.lanes import eight, store
 from auricle.spectral.narrow_products import Groups, copy_entries
+from auricle.spectral.side_by_side import set_side_by_side
 from auricle.spectral.substitution import eight_dots
 
 _AT_ONCE, _STRIP = 8, 128
@@ -42,8 +43,9 @@ def fill_combinations(groups: Groups, weights: Floats, columns: Floats, some: sl
     """
     n_vectors = weights.shape[1]
     side_by_side = np.zeros((-(-len(weights) // _AT_ONCE), n_vectors, _AT_ONCE))
-    for i, row in enumerate(weights):
-        side_by_side[i // _AT_ONCE, :, i % _AT_ONCE] = row
+    for i, eights in enumerate(side_by_side):
+        combined = weights[i * _AT_ONCE : (i + 1) * _AT_ONCE]
+        set_side_by_side(combined, eights.reshape(-1), _AT_ONCE)
     needed = _needed(side_by_side)
     entries = np.zeros((_STRIP, n_vectors))
     for begin in range(some.start, some.stop, _STRIP):

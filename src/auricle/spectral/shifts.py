@@ -72,7 +72,7 @@ def next_shifts(
     of eigenvalues met so far; one that turns out much further up is left for another time.
     """
     known, low, n_low = len(ladder.values), ladder.certified, ladder.n_certified
-    gap = gap_above(ladder.values, count, 1 / density)
+    gap = gap_above(ladder.values, count, ladder.scale)
     if gap is not None:
         return NextShifts((), ceiling=factorable.at(gap))
     count = max(count, known)

@@ -126,7 +126,8 @@ def lowest_eigenpairs(
     )
     factorable = Factorable(matrix, symbolic)
     n = len(matrix.indptr) - 1
-    ladder = Ladder(np.empty(0), np.empty((n, count + _SPARE)), certified=-1 / density)
+    room = np.empty((n, count + _SPARE))
+    ladder = Ladder(np.empty(0), room, certified=-1 / density, scale=1 / density)
     # Used by one run after another: a system sets new pages to zero, or has to ask for them.
     n_groups = _MOST_VECTORS // _SEARCH_BLOCK + 1
     bases = [aligned_groups(n_groups, n, _SEARCH_BLOCK) for _ in range(workers.threads)]
@@ -230,7 +231,7 @@ def _completed(
         return None
     kept, first = joint
     values = np.concatenate([ladder.values[: ladder.n_certified + kept], run.values[first:]])
-    gap = gap_above(values, wanted, factors.shift)
+    gap = gap_above(values, wanted, ladder.scale)
     if gap is None:
         return None
     ceiling = at(gap)
