@@ -28,6 +28,12 @@ def compiled_in_place(function: Callable[P, R]) -> Callable[P, R]:
     return cast(Callable[P, R], njit(cache=True, nogil=True, _nrt=False)(function))
 
 
+def compiled_inline(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile as `compiled_in_place`, as part of whatever calls it: where a call would be dear."""
+    inline = njit(cache=True, nogil=True, _nrt=False, forceinline=True)
+    return cast(Callable[P, R], inline(function))
+
+
 def compiled_loosely(function: Callable[P, R]) -> Callable[P, R]:
     """Compile as `compiled`, allowed to add up in another order, so that sums use whole vectors.
 

@@ -39,7 +39,9 @@ def rows_of(groups):
 
 @pytest.mark.parametrize("n", LENGTHS)
 @pytest.mark.parametrize("lanes", [4, 8])
-@pytest.mark.parametrize(("n_basis", "n_block"), [(0, 1), (1, 1), (2, 3), (3, 2), (5, 1)])
+@pytest.mark.parametrize(
+    ("n_basis", "n_block"), [(0, 1), (1, 1), (2, 3), (3, 2), (5, 1), (11, 1), (9, 2)]
+)
 def test_products_are_those_of_the_vectors(rng, n, lanes, n_basis, n_block) -> None:
     basis, block = grouped(rng, n_basis, n, lanes), grouped(rng, n_block, n, lanes)
     before = rng.standard_normal((n_basis * lanes, n_block * lanes))

@@ -75,8 +75,8 @@ def test_a_shift_that_had_to_move_past_the_next_leaves_that_out(monkeypatch) -> 
     """The lower of two moves up by more than what lies between them."""
     factorize = shifts.factorize
 
-    def moved(matrix, shift, *, symbolic):
-        return factorize(matrix, shift + 54 * (shift < 30), symbolic=symbolic)
+    def moved(matrix, shift, *, symbolic, rooms):
+        return factorize(matrix, shift + 54 * (shift < 30), symbolic=symbolic, rooms=rooms)
 
     monkeypatch.setattr(shifts, "factorize", moved)
     found = next_shifts(one_to(1000), fresh(), count=100, density=1.0, workers=WORKERS)

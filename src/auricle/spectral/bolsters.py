@@ -7,7 +7,9 @@ import numpy as np
 
 from auricle.arrays import Floats, Integers
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added_multiple, eight, four, load, store, width
+from auricle.spectral.lanes import Lanes, added, eight, four, load, store, width
+from auricle.spectral.side_by_side import set_side_by_side
+from auricle.spectral.tile_sums import TILE, lines_at_once, sum_lines
 
 _AT_ONCE = 4
 """Bolsters whose influence is solved for together: as many as the solves of small surfaces take."""
@@ -29,7 +31,7 @@ class Bolstered:
     places
         Bolstered rows, shape (r,).
     influences
-        Z, shape (n, r), contiguous.
+        Z in tiles, as `auricle.spectral.tile_sums` reads it.
     inverse
         C⁻¹, shape (r, r).
     n_negative
@@ -70,7 +72,7 @@ class Bolstered:
             return None
         inverse = roots[:, None] * (vectors / eigenvalues) @ vectors.T * roots
         n_negative = int((eigenvalues < 0).sum()) - int((bolsters < 0).sum())
-        return cls(places, influences, inverse, n_negative)
+        return cls(places, _in_tiles(influences), inverse, n_negative)
 
     def take_out_of(self, solutions: Floats) -> None:
         """Turn solutions with the factored matrix into the matrix's, shape (n, 4, 8 or 16)."""
@@ -95,12 +97,26 @@ def _add_eight(influences: Floats, factors: Floats, solutions: Floats) -> None:
 @compiled
 def _add(influences: Floats, factors: Floats, solutions: Floats, zero: Lanes) -> None:
     """Add influences·factors to the solutions."""
-    (n, count), n_right = influences.shape, solutions.shape[1]
-    numbers, sums, multiples = influences.reshape(-1), solutions.reshape(-1), factors.reshape(-1)
-    for i in range(n):
-        for side in range(0, n_right, width(zero)):
-            total = load(zero, sums, i * n_right + side)
-            for k in range(count):
-                own = load(zero, multiples, k * n_right + side)
-                total = added_multiple(total, numbers, i * count + k, own)
-            store(total, sums, i * n_right + side)
+    (n, n_right), count = solutions.shape, len(factors)
+    numbers, multiples = solutions.reshape(-1), factors.reshape(-1)
+    sums = np.empty(2 * TILE * width(zero))
+    for side in range(0, n_right, width(zero)):
+        row = 0
+        while row < n:
+            part = (row * count, lines_at_once(max(n - row, TILE), zero), count)
+            sum_lines(influences, part, (multiples, side, n_right), (sums, 0, width(zero)), zero)
+            for i in range(min(part[1], n - row)):
+                target = (row + i) * n_right + side
+                found = added(load(zero, numbers, target), load(zero, sums, i * width(zero)))
+                store(found, numbers, target)
+            row += part[1]
+
+
+@compiled
+def _in_tiles(rows: Floats) -> Floats:
+    """Rows in tiles of eight, filled up with zeros."""
+    n, count = rows.shape
+    tiles = np.zeros((-(-n // TILE), count * TILE))
+    for t in range(len(tiles)):
+        set_side_by_side(rows[t * TILE : (t + 1) * TILE], tiles[t], TILE)
+    return tiles.reshape(-1)

@@ -15,7 +15,7 @@ from auricle.spectral.supernodes import (
     relaxed_supernodes,
 )
 
-_PANEL_COST, _ROW_COST = 250, 3
+_PANEL_COST, _ROW_COST = 150, 3
 """What a panel and a row under it cost in a solve beside the arithmetic, in entries of the factor.
 
 From 100 to 1,500 and from 3 to 10 they change the time by less than the clock's noise.

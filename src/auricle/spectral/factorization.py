@@ -1,7 +1,8 @@
 """A shifted symmetric matrix in factors: solves with it, and counts the eigenvalues below it."""
 
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from auricle.compiled import compiled
 from auricle.errors import SolverError
 from auricle.spectral.bolsters import Bolstered
 from auricle.spectral.elimination import EliminationPlan, elimination_plan, plan_in_order
+from auricle.spectral.factor_streams import FactorStreams, Rooms
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.substitution import AT_ONCE, NARROW, WIDE, substitute
@@ -46,7 +48,7 @@ class SymbolicFactorization:
     @property
     def n_bytes(self) -> int:
         """Memory that one factorisation takes while it is made, without the matrix and plan."""
-        return 8 * (int(self.plan.panel_start[-1]) + working_size(self.plan))
+        return 8 * working_size(self.plan)
 
     def fits(self, matrix: sparse.csc_array) -> bool:
         """Whether a matrix has exactly the pattern that was analysed."""
@@ -136,7 +138,7 @@ class ShiftedFactorization:
     backward_error: float = field(init=False)
     _matrix: sparse.csc_array
     _plan: EliminationPlan
-    _panels: Floats
+    _streams: FactorStreams
     _bolstered: Bolstered
 
     def __post_init__(self) -> None:
@@ -177,6 +179,10 @@ class ShiftedFactorization:
         """Set `solution` to what `solve` gives; both of shape (n, 4 or 8), contiguous."""
         self._solve(right, solution, refine=self._is_rough)
 
+    @cached_property
+    def _is_in_order(self) -> bool:
+        return np.array_equal(self._plan.order, np.arange(self.size))
+
     @property
     def _is_rough(self) -> bool:
         return self.backward_error > _REFINED_ABOVE
@@ -189,17 +195,16 @@ class ShiftedFactorization:
             solution += change
 
     def _substitute(self, right: Floats, solution: Floats) -> None:
-        order = self._plan.order
-        if np.array_equal(order, np.arange(len(order))):
+        if self._is_in_order:
             solution[:] = right
             self._substitute_in_order(solution)
         else:
-            columns = right[order]
+            columns = right[self._plan.order]
             self._substitute_in_order(columns)
-            solution[order] = columns
+            solution[self._plan.order] = columns
 
     def _substitute_in_order(self, columns: Floats) -> None:
-        substitute(self._plan, self._panels, columns)
+        substitute(self._plan, self._streams, columns)
         self._bolstered.take_out_of(columns)
 
     def _residual(self, right: Floats, solution: Floats) -> Floats:
@@ -208,7 +213,11 @@ class ShiftedFactorization:
 
 
 def factorize(
-    matrix: sparse.csc_array, shift: float, *, symbolic: SymbolicFactorization | None = None
+    matrix: sparse.csc_array,
+    shift: float,
+    *,
+    symbolic: SymbolicFactorization | None = None,
+    rooms: Rooms | None = None,
 ) -> ShiftedFactorization:
     """Factor (matrix − shift·I), moving the shift a little if it meets an eigenvalue.
 
@@ -226,6 +235,8 @@ def factorize(
         Where to factor.
     symbolic
         The analysis of a matrix of the same pattern; made here where there is none at hand.
+    rooms
+        Where the factors are put, and which have their room back when these are let go.
 
     Raises
     ------
@@ -251,7 +262,7 @@ def factorize(
     magnitudes = magnitudes[symbolic.plan.order]
     moved = float(shift)
     for attempt in range(_ATTEMPTS):
-        factors = _factored(matrix, data, moved, magnitudes, symbolic.plan)
+        factors = _factored(matrix, (data, moved, magnitudes), symbolic.plan, rooms or Rooms())
         if factors is not None and factors.backward_error <= _LARGEST_BACKWARD_ERROR:
             return factors
         moved = shift + max(_MOVE * abs(shift), _LEAST_MOVE * scale) * 2**attempt
@@ -260,24 +271,29 @@ def factorize(
 
 def _factored(
     matrix: sparse.csc_array,
-    data: Floats,
-    shift: float,
-    magnitudes: Floats,
+    values: tuple[Floats, float, Floats],
     plan: EliminationPlan,
+    rooms: Rooms,
 ) -> ShiftedFactorization | None:
-    """Factors at exactly this shift; None where the matrix is singular there to rounding."""
+    """Factors at exactly this shift; None where the matrix is singular there to rounding.
+
+    `values` are the matrix's, the shift, and magnitudes of columns.
+    """
+    streams, bolstered = rooms.take(plan), None
     for growth in _GROWTHS:
-        eliminated = eliminate(plan, data, shift, magnitudes, growth=growth)
-        if eliminated is None:
-            return None
-        panels, n_negative, bolsters = eliminated
-        if np.count_nonzero(bolsters) <= _MOST_BOLSTERS:
+        eliminated = eliminate(plan, *values, streams, growth=growth)
+        if eliminated is None or np.count_nonzero(eliminated[1]) <= _MOST_BOLSTERS:
             break
-    bolstered = Bolstered.of(bolsters, partial(substitute, plan, panels))
+    if eliminated is not None:
+        n_negative, bolsters = eliminated
+        bolstered = Bolstered.of(bolsters, partial(substitute, plan, streams))
     if bolstered is None:
+        rooms.give_back(streams)
         return None
     n_below = n_negative + bolstered.n_negative
-    return ShiftedFactorization(shift, n_below, matrix, plan, panels, bolstered)
+    factors = ShiftedFactorization(values[1], n_below, matrix, plan, streams, bolstered)
+    finalize(factors, rooms.give_back, streams)
+    return factors
 
 
 @compiled

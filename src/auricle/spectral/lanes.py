@@ -140,6 +140,48 @@ def _added_multiple(typing: Any, total: Any, numbers: Any, place: Any, lanes: An
     return total(total, numbers, types.intp, total), generate
 
 
+def _load_fours(typing: Any, like: Any, numbers: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address = _address(context, builder, signature.args[1], arguments[1], arguments[2])
+        loaded = builder.load(builder.bitcast(address, ir.VectorType(_NUMBER, 4).as_pointer()))
+        loaded.align = 8
+        return _chosen(builder, loaded, loaded, [i % 4 for i in range(like.count)])
+
+    return like(like, numbers, types.intp), generate
+
+
+def _chosen(builder: Any, one: Any, other: Any, places: list[int]) -> Any:
+    mask = ir.Constant(ir.VectorType(_INDEX, len(places)), places)
+    return builder.shuffle_vector(one, other, mask)
+
+
+def _turner(by: int) -> Any:
+    def turn(typing: Any, lanes: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            places = [i - i % 4 + (i + by) % 4 for i in range(lanes.count)]
+            return _chosen(builder, arguments[0], arguments[0], places)
+
+        return lanes(lanes), generate
+
+    return intrinsic(turn)
+
+
+def _dealer(t: int) -> Any:
+    def deal(typing: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            lines = [(t * a.count + i) // 4 for i in range(a.count)]
+            turns = [(i - line) % 4 for i, line in enumerate(lines)]
+            halves = [line + a.count * (turn % 2) for line, turn in zip(lines, turns, strict=True)]
+            ab = _chosen(builder, arguments[0], arguments[1], halves)
+            cd = _chosen(builder, arguments[2], arguments[3], halves)
+            whole = [i + a.count * (turn // 2) for i, turn in enumerate(turns)]
+            return _chosen(builder, ab, cd, whole)
+
+        return a(a, a, a, a), generate
+
+    return intrinsic(deal)
+
+
 def _total(typing: Any, lanes: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         parts = [
@@ -176,5 +218,15 @@ added_multiple: Final = cast(
     Callable[[Lanes, Floats, int, Lanes], Lanes], intrinsic(_added_multiple)
 )
 """Of (total, numbers, place, lanes), total + numbers[place]·lanes."""
+turned_once: Final = cast(Callable[[Lanes], Lanes], _turner(1))
+"""Every four lanes in a circle, each taking the place of the one before."""
+turned_twice: Final = cast(Callable[[Lanes], Lanes], _turner(2))
+turned_thrice: Final = cast(Callable[[Lanes], Lanes], _turner(3))
+load_fours: Final = cast(Callable[[Lanes, Floats, int], Lanes], intrinsic(_load_fours))
+"""Four numbers of a contiguous array from a place on, again and again up to the width."""
+dealt_first: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(0))
+dealt_second: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(1))
+dealt_third: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(2))
+dealt_fourth: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(3))
 total: Final = cast(Callable[[Lanes], float], intrinsic(_total))
 """Sum over the lanes, pairwise."""

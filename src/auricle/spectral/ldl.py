@@ -5,7 +5,21 @@ import numpy as np
 from auricle.arrays import Floats, Truths
 from auricle.compiled import compiled
 from auricle.spectral.elimination import EliminationPlan
+from auricle.spectral.factor_streams import (
+    FactorStreams,
+    down_size,
+    pack,
+    stream_sizes,
+    up_size,
+)
 from auricle.spectral.lanes import added_product, eight, load, store
+from auricle.spectral.schur_complements import (
+    add_to_complement,
+    complement_size,
+    multiply,
+    subtract_from_columns,
+)
+from auricle.spectral.tile_sums import TILE
 
 _DOMINANCE = 0.3
 """A diagonal entry this large against the rest of its column is a pivot, else half of a pair."""
@@ -15,8 +29,6 @@ _BOLSTER, _MOST_BOLSTERS = 8.0, 16
 """Of the largest entry under a diagonal block: what is added to its diagonal; and how many times
 that is done for one supernode."""
 _LANES = 8
-_STRIP = 64
-"""Rows of a strip of a Schur complement, whose lower triangle is stored strip by strip."""
 _LARGEST_PRODUCT = 64**3
 """Multiplications in one matrix product.
 
@@ -26,14 +38,20 @@ makes the last digits depend on the number of threads.
 
 
 def eliminate(
-    plan: EliminationPlan, data: Floats, shift: float, magnitudes: Floats, *, growth: float
-) -> tuple[Floats, int, Floats] | None:
-    """Factors of (matrix − shift·I + bolsters), and how many of its eigenvalues are negative.
+    plan: EliminationPlan,
+    data: Floats,
+    shift: float,
+    magnitudes: Floats,
+    streams: FactorStreams,
+    *,
+    growth: float,
+) -> tuple[int, Floats] | None:
+    """Factor (matrix − shift·I + bolsters) and count how many of its eigenvalues are negative.
 
-    A panel of the result holds the inverse of its supernode's diagonal block and, below it, L.
-    Pivots are sought within the diagonal block, one or two at a time, and never outside of it.
-    Where the block is so near to singular that L would be large, and solves wrong, the row that
-    is to blame is bolstered: its diagonal entry is enlarged beyond the size of what is under it.
+    Of each supernode the factors are the inverse of its diagonal block and, below that, L. Pivots
+    are sought within the diagonal block, one or two at a time, and never outside of it. Where the
+    block is so near to singular that L would be large, and solves wrong, the row that is to blame
+    is bolstered: its diagonal entry is enlarged beyond the size of what is under it.
 
     Parameters
     ----------
@@ -45,21 +63,21 @@ def eliminate(
         Taken from the diagonal.
     magnitudes
         Largest of each column of the matrix, shape (n,), in order of elimination.
+    streams
+        Filled with the factors.
     growth
         Largest entry that L may have.
 
     Returns
     -------
     tuple or None
-        Panels, shape (plan.panel_start[-1],), the count, and what was added to the diagonal,
-        shape (n,), in order of elimination; None where a last pivot, with nothing under it, is
-        none: the matrix is singular to rounding.
+        The count, and what was added to the diagonal, shape (n,), in order of elimination; None
+        where a last pivot, with nothing under it, is none: the matrix is singular to rounding.
     """
-    panels = np.empty(int(plan.panel_start[-1]))
     stack = np.empty(_stack_size(plan))
     bolsters = np.zeros(len(magnitudes))
-    n_negative = _eliminate(plan, (data, shift, magnitudes, growth), stack, panels, bolsters)
-    return None if n_negative < 0 else (panels, int(n_negative), bolsters)
+    n_negative = _eliminate(plan, (data, shift, magnitudes, growth), stack, streams, bolsters)
+    return None if n_negative < 0 else (int(n_negative), bolsters)
 
 
 @compiled
@@ -67,35 +85,42 @@ def _eliminate(
     plan: EliminationPlan,
     values: tuple[Floats, float, Floats, float],
     stack: Floats,
-    panels: Floats,
+    streams: FactorStreams,
     bolsters: Floats,
 ) -> int:
-    """Fill `panels` and `bolsters`; returns the number of negative eigenvalues, -1 for None."""
+    """Fill `streams` and `bolsters`; returns the number of negative eigenvalues, -1 for None."""
     data, shift, magnitudes, growth = values
-    front = np.empty(_largest_panel(plan))
+    widest = int(np.diff(plan.first_column).max())
+    fronts = np.zeros((2, _largest_panel(plan) + TILE * widest))
     room = np.empty(_room(plan))
     waiting = np.empty(len(plan.parent) + 1, np.int64)
     begins = np.zeros(len(plan.parent) + 2, np.int64)
-    n_waiting, n_negative = 0, 0
+    n_waiting, n_negative, down, up = 0, 0, 0, len(streams.up)
     for s in range(len(plan.parent)):
         first, end = plan.first_column[s], plan.first_column[s + 1]
-        panel = front[: plan.panel_start[s + 1] - plan.panel_start[s]]
+        size = plan.panel_start[s + 1] - plan.panel_start[s]
+        panel, factor = fronts[0, :size], fronts[1, :size]
         _assemble(plan, s, data, shift, panel)
         oldest = n_waiting
         while oldest > 0 and plan.parent[waiting[oldest - 1]] == s:
             oldest -= 1
-            _subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
-        factor = panels[plan.panel_start[s] : plan.panel_start[s + 1]]
+            subtract_from_columns(plan, waiting[oldest], stack[begins[oldest] :], panel)
         pivots = (magnitudes[first:end], bolsters[first:end])
         n_here = _factor_panel(panel, pivots, growth, room, factor)
         if n_here < 0:
             return -1
         n_negative += n_here
+        shape = (end - first, plan.row_start[s + 1] - plan.row_start[s])
+        up -= up_size(*shape)
+        filled = fronts[1, : size + TILE * (end - first)].reshape((-1, end - first))
+        pack(filled, end - first + shape[1], streams, (down, up))
         complement = stack[begins[n_waiting] :]
-        _multiply(panel, end - first, factor, complement)
+        under = panel[(end - first) ** 2 :].reshape((-1, end - first))
+        multiply(streams.down, down, under, complement, room)
+        down += down_size(*shape)
         for child in range(oldest, n_waiting):
-            _add_to_complement(plan, waiting[child], stack[begins[child] :], complement)
-        size = _complement_size(plan.row_start[s + 1] - plan.row_start[s])
+            add_to_complement(plan, waiting[child], stack[begins[child] :], complement)
+        size = complement_size(shape[1])
         target = stack[begins[oldest] :]
         for k in range(size):
             target[k] = complement[k]
@@ -114,64 +139,6 @@ def _assemble(plan: EliminationPlan, s: int, data: Floats, shift: float, panel: 
     width = plan.first_column[s + 1] - plan.first_column[s]
     for k in range(width):
         panel[k * width + k] -= shift
-
-
-@compiled
-def _subtract_from_columns(
-    plan: EliminationPlan, child: int, complement: Floats, panel: Floats
-) -> None:
-    """Take from a panel what a child's Schur complement holds of its columns."""
-    mother = plan.parent[child]
-    width = plan.first_column[mother + 1] - plan.first_column[mother]
-    places = plan.places[plan.row_start[child] : plan.row_start[child + 1]]
-    inside = 0
-    for i in range(len(places)):
-        begin, row = _row_begin(i, len(places)), places[i] * width
-        inside += places[i] < width
-        for j in range(inside):
-            panel[row + places[j]] -= complement[begin + j]
-
-
-@compiled
-def _add_to_complement(
-    plan: EliminationPlan, child: int, complement: Floats, mothers: Floats
-) -> None:
-    """Hand on to the parent's Schur complement what a child's holds beyond the parent's columns."""
-    mother = plan.parent[child]
-    width = plan.first_column[mother + 1] - plan.first_column[mother]
-    height = plan.row_start[mother + 1] - plan.row_start[mother]
-    places = plan.places[plan.row_start[child] : plan.row_start[child + 1]]
-    inside = 0
-    while inside < len(places) and places[inside] < width:
-        inside += 1
-    for i in range(inside, len(places)):
-        begin = _row_begin(i, len(places))
-        row = _row_begin(places[i] - width, height) - width
-        if places[i] - places[inside] == i - inside:
-            for j in range(i - inside + 1):
-                mothers[row + places[inside] + j] += complement[begin + inside + j]
-        else:
-            for j in range(inside, i + 1):
-                mothers[row + places[j]] += complement[begin + j]
-
-
-@compiled
-def _multiply(panel: Floats, width: int, factor: Floats, complement: Floats) -> None:
-    """The Schur complement (to subtract)."""
-    height = len(panel) // width - width
-    under = panel[width * width :].reshape((height, width))
-    multipliers = factor[width * width :].reshape((height, width))
-    room = np.empty(_STRIP * _STRIP)
-    for first in range(0, height, _STRIP):
-        end = min(first + _STRIP, height)
-        begin = _row_begin(first, height)
-        for left in range(0, end, _STRIP):
-            right = min(left + _STRIP, end)
-            tile = room[: (end - first) * (right - left)].reshape((end - first, right - left))
-            np.dot(multipliers[first:end], under[left:right].T, tile)
-            for i in range(end - first):
-                for j in range(right - left):
-                    complement[begin + i * end + left + j] = tile[i, j]
 
 
 @compiled
@@ -196,20 +163,29 @@ def _factor_panel(
     inverse = factor[: width * width].reshape((width, width))
     under = panel[width * width :].reshape((-1, width))
     multipliers = factor[width * width :].reshape((-1, width))
-    bolster = _BOLSTER * _largest_entry(under)[0]
     for attempt in range(_MOST_BOLSTERS + 1):
-        n_negative = _invert(panel, (pivots[0], pivots[1], bolster), room, factor)
+        n_negative = _invert(panel, (pivots[0], pivots[1], under), room, factor)
         if n_negative < 0:
             break
         _multiply_rows(under, inverse, multipliers)
-        largest, k = _largest_entry(multipliers)
-        if attempt == _MOST_BOLSTERS or not largest > growth:
+        if attempt == _MOST_BOLSTERS or not _exceeds(factor[width * width :], growth):
             break
         # A vector that the square nearly takes to zero is largest there.
+        _, k = _largest_entry(multipliers)
+        bolster = _BOLSTER * _largest_entry(under)[0]
         added = bolster if inverse[k, k] > 0 else -bolster
         panel[k * width + k] += added
         pivots[1][k] += added
     return n_negative
+
+
+@compiled
+def _exceeds(numbers: Floats, limit: float) -> bool:
+    """Whether any magnitude is larger; all are looked at, which takes whole registers."""
+    count = 0
+    for number in numbers:
+        count += abs(number) > limit
+    return count > 0
 
 
 @compiled
@@ -225,17 +201,17 @@ def _largest_entry(rows: Floats) -> tuple[float, int]:
 
 @compiled
 def _invert(
-    panel: Floats, pivots: tuple[Floats, Floats, float], room: Floats, factor: Floats
+    panel: Floats, pivots: tuple[Floats, Floats, Floats], room: Floats, factor: Floats
 ) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
     By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
     entry next to it, on the two together. A pivot that is none is bolstered: `pivots` are
-    magnitudes and bolsters of the columns, and what to add. Returns the number of negative pivots,
-    which is that of negative eigenvalues; -1 if one is none and there is nothing to add. Rows are
-    worked on in `room`, filled up to whole registers.
+    magnitudes and bolsters of the columns, and what is under them. Returns the number of negative
+    pivots, which is that of negative eigenvalues; -1 if one is none and nothing is under them.
+    Rows are worked on in `room`, filled up to whole registers.
     """
-    magnitudes, bolsters, bolster = pivots
+    magnitudes, bolsters, under = pivots
     size = len(magnitudes)
     stride = size + -size % _LANES
     square = room[: size * stride].reshape((size, stride))
@@ -252,6 +228,7 @@ def _invert(
         pair = _largest(square[k], left)
         beside = abs(square[k, pair]) if left[pair] else 0.0
         if not max(abs(square[k, k]), beside) > _TINY * magnitudes[k]:
+            bolster = _BOLSTER * _largest_entry(under)[0]
             if bolster == 0:
                 return -1
             square[k, k] += bolster
@@ -337,23 +314,9 @@ def _sweep_pair(square: Floats, k: int, pair: int, columns: Floats) -> None:
     square[k, pair] = square[pair, k] = -b
 
 
-@compiled
-def _row_begin(row: int, n_rows: int) -> int:
-    """Where a row of a stored Schur complement begins."""
-    strip = row // _STRIP
-    end = min((strip + 1) * _STRIP, n_rows)
-    return _STRIP * _STRIP * strip * (strip + 1) // 2 + (row - strip * _STRIP) * end
-
-
-@compiled
-def _complement_size(n_rows: int) -> int:
-    """Count the entries of a stored Schur complement."""
-    return _row_begin(n_rows - 1, n_rows) + n_rows if n_rows > 0 else 0
-
-
 def working_size(plan: EliminationPlan) -> int:
-    """Numbers that an elimination holds besides its panels."""
-    return int(_stack_size(plan)) + int(_largest_panel(plan))
+    """Numbers that an elimination holds, its result among them."""
+    return sum(stream_sizes(plan)) + int(_stack_size(plan)) + 2 * int(_largest_panel(plan))
 
 
 @compiled
@@ -362,7 +325,7 @@ def _stack_size(plan: EliminationPlan) -> int:
     from_children = np.zeros(len(plan.parent) + 1, np.int64)
     height, highest = 0, 0
     for s in range(len(plan.parent)):
-        own = _complement_size(plan.row_start[s + 1] - plan.row_start[s])
+        own = complement_size(plan.row_start[s + 1] - plan.row_start[s])
         highest = max(highest, height + own)
         height += own - from_children[s]
         from_children[plan.parent[s]] += own

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from auricle.arrays import Floats
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_in_place
 from auricle.spectral.lanes import (
     Lanes,
     added,
@@ -25,6 +25,7 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
+from auricle.spectral.turned_products import SIXTEEN, project_sixteen, subtract_sixteen
 
 Groups: TypeAlias = Floats
 """Vectors in groups, shape (g, n, lanes), contiguous; four or eight lanes."""
@@ -55,10 +56,10 @@ def project(basis: Groups, block: Groups, coefficients: Floats, zero: Lanes) -> 
     Shape (m, b), contiguous, for m and b vectors. A strip of the basis is read once for all of the
     block, which stays in the cache. Here and below `zero` has as many lanes as the groups.
     """
-    length, sums = _STRIP // width(zero), coefficients.reshape(-1)
+    length, target = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(_LINE))
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
-        _project_strip(_strip(basis, begin), _strip(block, begin), count, sums, zero)
+        _project_strip(_strip(basis, begin), _strip(block, begin), count, target, zero)
 
 
 @compiled
@@ -68,12 +69,20 @@ def _strip(groups: Groups, begin: int) -> _Strip:
     return groups.reshape(-1), begin * lanes, n * lanes, len(groups)
 
 
-@compiled
-def _project_strip(basis: _Strip, block: _Strip, count: int, sums: Floats, zero: Lanes) -> None:
+@compiled_in_place
+def _project_strip(
+    basis: _Strip, block: _Strip, count: int, products: tuple[Floats, Floats], zero: Lanes
+) -> None:
+    sums, room = products
     numbers, first, apart, n_groups = basis
     others, begin, aside, n_block = block
-    lanes = width(zero)
-    for g in range(0, n_groups, 8 // lanes):
+    lanes, done = width(zero), 0
+    if lanes == 4 and n_block == 1:
+        done = n_groups - n_groups % SIXTEEN
+        for g in range(0, done, SIXTEEN):
+            part = (numbers, first + g * apart, apart)
+            project_sixteen(part, (others, begin), count, (sums, g * lanes * lanes, room))
+    for g in range(done, n_groups, 8 // lanes):
         second, n_rows = _second_four(g, basis, lanes)
         p, ahead = first + g * apart, _AHEAD
         for q in range(0, n_block, 2):
@@ -86,7 +95,7 @@ def _project_strip(basis: _Strip, block: _Strip, count: int, sums: Floats, zero:
             ahead = 0
 
 
-@compiled
+@compiled_in_place
 def _second_four(g: int, basis: _Strip, lanes: int) -> tuple[int, int]:
     """Where the second four of eight vectors begin, from the first on; and how many there are.
 
@@ -98,7 +107,7 @@ def _second_four(g: int, basis: _Strip, lanes: int) -> tuple[int, int]:
     return (apart, 8) if g + 1 < n_groups else (0, 4)
 
 
-@compiled
+@compiled_in_place
 def _project_on_two(
     numbers: Floats,
     others: Floats,
@@ -131,7 +140,7 @@ def _project_on_two(
     _add_rows((b0, b1, b2, b3, b4, b5, b6, b7), sums, place + width(zero), apart, n_rows)
 
 
-@compiled
+@compiled_in_place
 def _project_on_one(
     numbers: Floats,
     others: Floats,
@@ -157,7 +166,7 @@ def _project_on_one(
     _add_rows((a0, a1, a2, a3, a4, a5, a6, a7), sums, place, apart, n_rows)
 
 
-@compiled
+@compiled_in_place
 def _add_rows(rows: _Eight, sums: Floats, place: int, apart: int, n_rows: int) -> None:
     """Add the first of eight registers to as many rows of a matrix, a column's worth."""
     left = n_rows
@@ -170,10 +179,10 @@ def _add_rows(rows: _Eight, sums: Floats, place: int, apart: int, n_rows: int) -
 @compiled
 def subtract(basis: Groups, coefficients: Floats, block: Groups, zero: Lanes) -> None:
     """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
-    length, factors = _STRIP // width(zero), coefficients.reshape(-1)
+    length, source = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(_LINE))
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
-        _subtract_strip(_strip(basis, begin), _strip(block, begin), count, factors, zero)
+        _subtract_strip(_strip(basis, begin), _strip(block, begin), count, source, zero)
 
 
 @compiled
@@ -190,7 +199,7 @@ def combine(factors: Floats, block: Groups, zero: Lanes) -> None:
         subtract(old, coefficients, block, zero)
 
 
-@compiled
+@compiled_in_place
 def _combine_one(numbers: Floats, n: int, second: int, c: _Eight) -> None:
     """Turn a group into multiples of itself, n entries that each depend on no other."""
     c0, c1, c2, c3, c4, c5, c6, c7 = c
@@ -205,12 +214,20 @@ def _combine_one(numbers: Floats, n: int, second: int, c: _Eight) -> None:
         p += width(c0)
 
 
-@compiled
-def _subtract_strip(basis: _Strip, block: _Strip, count: int, factors: Floats, zero: Lanes) -> None:
+@compiled_in_place
+def _subtract_strip(
+    basis: _Strip, block: _Strip, count: int, multiples: tuple[Floats, Floats], zero: Lanes
+) -> None:
+    factors, room = multiples
     numbers, first, apart, n_groups = basis
     others, begin, aside, n_block = block
-    lanes = width(zero)
-    for g in range(0, n_groups, 8 // lanes):
+    lanes, done = width(zero), 0
+    if lanes == 4 and n_block == 1:
+        done = n_groups - n_groups % SIXTEEN
+        for g in range(0, done, SIXTEEN):
+            part = (numbers, first + g * apart, apart)
+            subtract_sixteen(part, (factors, g * lanes * lanes, room), (others, begin), count)
+    for g in range(done, n_groups, 8 // lanes):
         second, n_rows = _second_four(g, basis, lanes)
         p, ahead = first + g * apart, _AHEAD
         for q in range(0, n_block, 2):
@@ -225,7 +242,7 @@ def _subtract_strip(basis: _Strip, block: _Strip, count: int, factors: Floats, z
             ahead = 0
 
 
-@compiled
+@compiled_in_place
 def _eight_rows(factors: Floats, place: int, stride: int, n_rows: int, zero: Lanes) -> _Eight:
     """Of a matrix a column's worth of eight rows with their sign changed; 0 beyond the first."""
     a, b = _minus(factors, place, zero), _minus(factors, place + stride, zero)
@@ -238,12 +255,12 @@ def _eight_rows(factors: Floats, place: int, stride: int, n_rows: int, zero: Lan
     return a, b, c, d, e, f, g, h
 
 
-@compiled
+@compiled_in_place
 def _minus(factors: Floats, place: int, zero: Lanes) -> Lanes:
     return subtracted(zero, load(zero, factors, place))
 
 
-@compiled
+@compiled_in_place
 def _subtract_from_two(
     numbers: Floats,
     others: Floats,
@@ -273,7 +290,7 @@ def _subtract_from_two(
         p, r, q = p + width(c0), r + width(c0), q + width(c0)
 
 
-@compiled
+@compiled_in_place
 def _subtract_from_one(
     numbers: Floats, others: Floats, places: _Places, count: int, c: _Eight
 ) -> None:

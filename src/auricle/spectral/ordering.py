@@ -7,7 +7,7 @@ import numpy as np
 from scipy import sparse
 
 from auricle.arrays import Integers
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_in_place, compiled_inline
 from auricle.spectral.vertex_cut import CUT, SINK, SOURCE, Band, minimum_vertex_cut
 from auricle.spectral.workers import Workers
 
@@ -121,7 +121,7 @@ def _part(graph: _Dissection, part: Integers) -> Integers:
     return ends[:n_parts]
 
 
-@compiled
+@compiled_in_place
 def _separate_pieces(graph: _Dissection, part: Integers, ends: Integers) -> int:
     """Put a part's connected pieces one after another; their ends into `ends`, and their number.
 
@@ -141,7 +141,7 @@ def _separate_pieces(graph: _Dissection, part: Integers, ends: Integers) -> int:
     return n_pieces
 
 
-@compiled
+@compiled_in_place
 def _spread(graph: _Dissection, start: int, distance: Integers, queue: Integers) -> int:
     """Fill `queue` from `start` in order of distance; returns how many vertices are reached.
 
@@ -245,7 +245,7 @@ def _band(graph: _Dissection, part: Integers) -> tuple[Band, Integers]:
     return Band(starts, neighbours, at_source, at_sink), members
 
 
-@compiled
+@compiled_inline
 def _touches(graph: _Dissection, v: int, side: int) -> bool:
     """Whether a vertex has a neighbour on this side."""
     for e in range(graph.starts[v], graph.starts[v + 1]):

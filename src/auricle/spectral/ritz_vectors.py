@@ -5,10 +5,9 @@ from numpy.typing import NDArray
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import eight, store
+from auricle.spectral.lanes import Lanes, added_multiple, eight, load, prefetch, store
 from auricle.spectral.narrow_products import Groups, copy_entries
 from auricle.spectral.side_by_side import set_side_by_side
-from auricle.spectral.substitution import eight_dots
 
 _AT_ONCE, _STRIP = 8, 128
 """Combinations that a register holds; entries of all vectors that stay in the cache."""
@@ -71,10 +70,42 @@ def _fill_strip(
         n_here = min(_AT_ONCE, columns.shape[1] - c * _AT_ONCE)
         for p in range(0, len(columns), _AT_ONCE):
             places = (p * n_vectors, n_vectors, 1, (p + _AT_ONCE) * n_vectors)
-            sums = eight_dots(numbers, places, needed[c], vectors, zero)
+            sums = _eight_dots(numbers, places, needed[c], vectors, zero)
             for i in range(_AT_ONCE):
                 store(sums[i], tile, i * _AT_ONCE)
             for i in range(min(_AT_ONCE, len(columns) - p)):
                 entry = columns[p + i]
                 for j in range(n_here):
                     entry[c * _AT_ONCE + j] = tile[i * _AT_ONCE + j]
+
+
+@compiled
+def _eight_dots(
+    numbers: Floats,
+    places: tuple[int, int, int, int],
+    count: int,
+    vectors: tuple[Floats, int, int],
+    zero: Lanes,
+) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """Of eight lines, sums of `count` numbers each times its row of `vectors`.
+
+    `places` are where the first line begins, how far apart lines are, the step along them, and
+    what will be wanted next; `vectors` are the array, where in it the first row begins, and how
+    far apart rows are.
+    """
+    place, line, step, ahead = places
+    rows, begin, apart = vectors
+    a, b, c, d, e, f, g, h = zero, zero, zero, zero, zero, zero, zero, zero
+    for _ in range(count):
+        prefetch(numbers, ahead)
+        x = load(zero, rows, begin)
+        a = added_multiple(a, numbers, place, x)
+        b = added_multiple(b, numbers, place + line, x)
+        c = added_multiple(c, numbers, place + 2 * line, x)
+        d = added_multiple(d, numbers, place + 3 * line, x)
+        e = added_multiple(e, numbers, place + 4 * line, x)
+        f = added_multiple(f, numbers, place + 5 * line, x)
+        g = added_multiple(g, numbers, place + 6 * line, x)
+        h = added_multiple(h, numbers, place + 7 * line, x)
+        place, begin, ahead = place + step, begin + apart, ahead + 8
+    return a, b, c, d, e, f, g, h

@@ -1,12 +1,13 @@
 """Where along the spectrum a matrix is factored next."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
 
 from auricle.arrays import Floats
+from auricle.spectral.factor_streams import Rooms
 from auricle.spectral.factorization import (
     ShiftedFactorization,
     SymbolicFactorization,
@@ -32,10 +33,11 @@ class Factorable:
 
     matrix: sparse.csc_array
     symbolic: SymbolicFactorization
+    _rooms: Rooms = field(default_factory=Rooms, init=False)
 
     def at(self, shift: float) -> ShiftedFactorization:
         """Factors at a shift, or as near to it as can be."""
-        return factorize(self.matrix, shift, symbolic=self.symbolic)
+        return factorize(self.matrix, shift, symbolic=self.symbolic, rooms=self._rooms)
 
     @property
     def reach(self) -> int:

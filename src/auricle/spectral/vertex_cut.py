@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from auricle.arrays import Integers, Truths
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_in_place, compiled_inline
 
 SOURCE, CUT, SINK = 0, 1, 2
 """Sides of a parted graph: with the source, of the cut itself, with the sink."""
@@ -81,7 +81,7 @@ def minimum_vertex_cut(band: Band) -> Integers:
     return sides
 
 
-@compiled
+@compiled_in_place
 def _set_levels(band: Band, flow: _Flow) -> bool:
     """Search the residual graph breadth first; whether the sink is reached."""
     flow.level[:] = -1
@@ -104,14 +104,14 @@ def _set_levels(band: Band, flow: _Flow) -> bool:
     return reached
 
 
-@compiled
+@compiled_inline
 def _n_ways(band: Band, here: int) -> int:
     """How many ways on there may be: one from an entry, one more than neighbours from an exit."""
     v = here >> 1
     return 1 if here & 1 == 0 else 1 + band.starts[v + 1] - band.starts[v]
 
 
-@compiled
+@compiled_inline
 def _way(band: Band, before: Integers, here: int, k: int) -> int:
     """Where the k-th way on leads in the residual graph, or -1 if it is barred."""
     v = here >> 1
@@ -125,7 +125,7 @@ def _way(band: Band, before: Integers, here: int, k: int) -> int:
     return 2 * before[v] + 1 if before[v] != v else -1
 
 
-@compiled
+@compiled_in_place
 def _search_path(band: Band, flow: _Flow, start: int) -> None:
     """Look for a path from the entry of `start` to the sink, level by level, and take it."""
     path, level = flow.queue, flow.level
@@ -149,7 +149,7 @@ def _search_path(band: Band, flow: _Flow, start: int) -> None:
             length -= 1
 
 
-@compiled
+@compiled_inline
 def _take(flow: _Flow, length: int) -> None:
     """Add the path under way to the flow."""
     for i in range(length):

@@ -1,0 +1,126 @@
+"""Factors laid out in the order in which a solve reads them: two long streams, once a direction.
+
+On the way down the supernodes a solve needs what is under their columns, row by row; on the way
+back the same numbers, and the inverse of the square on top, column by column. Either way it wants
+eight lines side by side, which fill a register or a line of the cache. What is under the columns
+is therefore stored twice. A processor that is told nothing else brings a stream near by itself.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from auricle.arrays import Floats
+from auricle.compiled import compiled, compiled_inline
+from auricle.spectral.elimination import EliminationPlan
+from auricle.spectral.lanes import Lanes, eight, four, load, store, width
+from auricle.spectral.side_by_side import set_side_by_side
+from auricle.spectral.tile_sums import TILE, tile_width
+
+
+class FactorStreams(NamedTuple):
+    """Block LDLᵀ factors, as `auricle.spectral.substitution` reads them.
+
+    Attributes
+    ----------
+    down
+        Supernode by supernode, L under its columns: tiles of eight rows, of each tile one column
+        after another.
+    up
+        From the last supernode to the first, the inverse of its square and L under that: tiles of
+        eight columns, of each tile one row after another.
+    """
+
+    down: Floats
+    up: Floats
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory of both."""
+        return self.down.nbytes + self.up.nbytes
+
+
+class Rooms:
+    """Rooms for factors of one plan, used again by the next when the last are let go.
+
+    A system sets new pages to zero, and a virtual machine may have to ask its host for them.
+    """
+
+    def __init__(self) -> None:
+        self._free: list[FactorStreams] = []
+
+    def take(self, plan: EliminationPlan) -> FactorStreams:
+        """Room that is free, of whatever content, or else new."""
+        try:
+            return self._free.pop()
+        except IndexError:
+            return empty_streams(plan)
+
+    def give_back(self, streams: FactorStreams) -> None:
+        """What is no longer in use."""
+        self._free.append(streams)
+
+
+def empty_streams(plan: EliminationPlan) -> FactorStreams:
+    """Room for the factors of a plan."""
+    n_down, n_up = stream_sizes(plan)
+    return FactorStreams(_aligned(n_down), _aligned(n_up))
+
+
+def _aligned(size: int) -> Floats:
+    """Room that begins with a line of the cache."""
+    room = np.empty(size + TILE)
+    first = -(room.ctypes.data // room.itemsize) % TILE
+    return room[first : first + size]
+
+
+def stream_sizes(plan: EliminationPlan) -> tuple[int, int]:
+    """Numbers in both streams."""
+    widths, heights = np.diff(plan.first_column), np.diff(plan.row_start)
+    down = (heights + -heights % 4) * widths
+    return int(down.sum()), int(((widths + -widths % 4) * (widths + heights)).sum())
+
+
+@compiled_inline
+def down_size(width: int, height: int) -> int:
+    """Numbers that a supernode of so many columns and rows under them takes on the way down."""
+    return (height + -height % 4) * width
+
+
+@compiled_inline
+def up_size(width: int, height: int) -> int:
+    """Numbers that it takes on the way back."""
+    return (width + -width % 4) * (width + height)
+
+
+@compiled
+def pack(factor: Floats, n_rows: int, streams: FactorStreams, places: tuple[int, int]) -> None:
+    """Put a supernode's panel, the inverse of its square and L under that, into both streams.
+
+    The panel has `n_rows` rows, and `TILE` more follow it of whatever content: they fill up tiles,
+    and what comes of them is left.
+    """
+    n_columns = factor.shape[1]
+    numbers = factor.reshape(-1)
+    down, up = places
+    for first in range(n_columns, n_rows, TILE):
+        lanes = tile_width(n_rows - first)
+        tile = streams.down[down : down + n_columns * lanes]
+        set_side_by_side(factor[first : first + lanes], tile, lanes)
+        down += n_columns * lanes
+    for first in range(0, n_columns, TILE):
+        if tile_width(n_columns - first) == TILE:
+            _copy_tile(numbers, (first, n_columns, n_rows), streams.up, up, eight(0.0))
+            up += n_rows * TILE
+        else:
+            _copy_tile(numbers, (first, n_columns, n_rows), streams.up, up, four(0.0))
+
+
+@compiled
+def _copy_tile(
+    numbers: Floats, size: tuple[int, int, int], up: Floats, place: int, zero: Lanes
+) -> None:
+    source, n_columns, n_rows = size
+    for _ in range(n_rows):
+        store(load(zero, numbers, source), up, place)
+        source, place = source + n_columns, place + width(zero)
