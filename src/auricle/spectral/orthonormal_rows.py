@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
 from auricle.arrays import Floats, Integers, PerMode
+from auricle.spectral.gram_tiles import fill_products, tiles
 from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
@@ -18,8 +18,6 @@ _ORTHONORMAL = 5e-11
 _SINGLE = 1e-8
 """Departure that single precision suffices to correct for: its error is 1e-7 of that."""
 _MOST_STEPS, _PARTS = 4, 4
-_Block: TypeAlias = tuple[slice, slice]
-"""Of a matrix: rows and columns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,21 +49,31 @@ class Separation:
         values[some], residuals[some] = own.values, own.residuals
         return replace(self, values=values, residuals=residuals)
 
-    def most(self, some: slice, lower: slice) -> float:
-        """Largest inner product that vectors of two ranges can have; ∞ where nothing is known.
+    def bounds(self, groups: Integers) -> Floats:
+        """Largest inner product that vectors of two groups can have; ∞ where nothing is known.
 
         With A·u = μ·u + r and A·v = ν·v + s the product (μ − ν)·u·v is u·s − v·r, so that for
         vectors of length one |u·v| is not more than (‖r‖ + ‖s‖) / |μ − ν|.
 
+        Parameters
+        ----------
+        groups
+            Indices of vectors, shape (t, any); the result has shape (t, t), and is ∞ where the
+            first of the two groups does not lie above the second.
+
         Examples
         --------
         >>> apart = Separation(np.array([1.0, 2.0, 4.0]), np.array([1e-9, 3e-9, 1e-9]), 0.0)
-        >>> apart.most(slice(2, 3), slice(0, 2))
+        >>> float(apart.bounds(np.array([[0, 1], [2, 2]]))[1, 0])
         2e-09
         """
-        distance = float(self.values[some].min() - self.values[lower].max())
-        beyond = float(self.residuals[some].max() + self.residuals[lower].max())
-        return (beyond + 2 * self.hidden) / distance if distance > 0 else np.inf
+        lowest, highest = self.values[groups].min(axis=1), self.values[groups].max(axis=1)
+        beyond = self.residuals[groups].max(axis=1)
+        distance = lowest[:, None] - highest
+        sizes = beyond[:, None] + beyond + 2 * self.hidden
+        bounds = np.full(sizes.shape, np.inf)
+        np.divide(sizes, distance, out=bounds, where=distance > 0)
+        return bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,72 +143,16 @@ def orthonormalized(
 def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Floats, float]:
     """Inner products of all rows less those of orthonormal ones, and what others do not exceed.
 
-    The lower triangle, shape (k, k). Those that by their `separation` are negligible are not
+    The lower triangle, shape (k, k). Tiles that by their `separation` are negligible are not
     measured and left 0; the second is the largest that any of these can be.
     """
     products = np.zeros((len(rows), len(rows)))
-    blocks, unmeasured = _blocks(separation, 0, len(rows))
-
-    def fill(block: _Block) -> None:
-        some, others = block
-        np.matmul(rows[some], rows[others].T, out=products[block])
-
-    # The largest first, so that threads end together.
-    workers.each(fill, sorted(blocks, key=_size, reverse=True))
+    bounds = separation.bounds(tiles(len(rows)))
+    below = np.tri(len(bounds), dtype=bool)
+    wanted = below & (bounds > _NEGLIGIBLE)
+    fill_products(rows, wanted, products, workers)
     products[np.diag_indices_from(products)] -= 1.0
-    return np.tril(products), unmeasured
-
-
-def _blocks(separation: Separation, begin: int, end: int) -> tuple[list[_Block], float]:
-    """What is to be measured among some rows, as few blocks, and what others do not exceed.
-
-    The triangle is cut into two of half the size, each a product of rows with themselves that
-    takes half the time, and what is between them.
-    """
-    middle = (begin + end) // 2
-    blocks, unmeasured = _between(separation, slice(middle, end), slice(begin, middle))
-    for half in (slice(begin, middle), slice(middle, end)):
-        if half.stop - half.start <= _NEIGHBOURS or not _any_apart(separation, half, half):
-            within, most = [(half, half)], 0.0
-        else:
-            within, most = _blocks(separation, half.start, half.stop)
-        blocks, unmeasured = blocks + within, max(unmeasured, most)
-    return blocks, unmeasured
-
-
-def _between(separation: Separation, some: slice, lower: slice) -> tuple[list[_Block], float]:
-    """The same among the products of some rows with lower ones."""
-    if some.start == some.stop or lower.start == lower.stop:
-        return [], 0.0
-    most = separation.most(some, lower)
-    if most <= _NEGLIGIBLE:
-        return [], most
-    if _size((some, lower)) <= _NEIGHBOURS**2 or not _any_apart(separation, some, lower):
-        return [(some, lower)], 0.0
-    blocks: list[_Block] = []
-    unmeasured = 0.0
-    for part in _halves(some):
-        for other in _halves(lower):
-            here, most = _between(separation, part, other)
-            blocks, unmeasured = blocks + here, max(unmeasured, most)
-    return blocks, unmeasured
-
-
-def _any_apart(separation: Separation, some: slice, lower: slice) -> bool:
-    """Whether those of two ranges that are furthest apart need not be measured."""
-    last = slice(max(some.stop - _NEIGHBOURS, some.start), some.stop)
-    first = slice(lower.start, min(lower.start + _NEIGHBOURS, lower.stop))
-    return separation.most(last, first) <= _NEGLIGIBLE
-
-
-def _halves(some: slice) -> tuple[slice, slice]:
-    middle = (some.start + some.stop) // 2
-    return slice(some.start, middle), slice(middle, some.stop)
-
-
-def _size(block: _Block) -> int:
-    some, others = block
-    return int((some.stop - some.start) * (others.stop - others.start))
+    return np.tril(products), float(bounds[below & ~wanted].max(initial=0.0))
 
 
 def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:
