@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help demo paper test check check-all lint types layers format clean
+.PHONY: help demo paper test check check-all lint types layers format recompile clean
 .DEFAULT_GOAL := help
 
 help: ## list the verbs
@@ -48,6 +48,9 @@ layers: $(READY) ## the import contract
 format: $(READY) ## let ruff lay out the code
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+recompile: ## forget compiled functions, which are kept until their own file changes
+	find src -name '*.nb[ic]' -delete
 
 clean: ## remove what the verbs made
 	rm -rf .venv demo paper build dist
