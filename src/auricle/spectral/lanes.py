@@ -228,5 +228,7 @@ dealt_first: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer
 dealt_second: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(1))
 dealt_third: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(2))
 dealt_fourth: Final = cast(Callable[[Lanes, Lanes, Lanes, Lanes], Lanes], _dealer(3))
+"""Of four registers that a line was multiplied into, with vectors turned 0, 1, 2 and 3 times: the
+products by line, four to a line, in as many registers; this is the last of them."""
 total: Final = cast(Callable[[Lanes], float], intrinsic(_total))
 """Sum over the lanes, pairwise."""
