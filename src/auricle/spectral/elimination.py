@@ -18,7 +18,7 @@ from auricle.spectral.supernodes import (
 _PANEL_COST, _ROW_COST = 150, 3
 """What a panel and a row under it cost in a solve beside the arithmetic, in entries of the factor.
 
-From 100 to 1,500 and from 3 to 10 they change the time by less than the clock's noise.
+From 80 to 250 and from 0 to 8 they change the time by little more than the clock's noise.
 """
 _WIDEST = 64
 """Columns of a supernode; wider ones are cut into a chain."""
@@ -27,10 +27,9 @@ _WIDEST = 64
 class EliminationPlan(NamedTuple):
     """Supernodes of the factor, and where every number of the matrix goes.
 
-    A supernode is a run of columns treated as dense, all with the same rows under them. Its
-    *panel* holds the square of its columns and, below, those rows; the panels lie one after
-    another in one array. Children come before parents, one family after another, which lets
-    Schur complements be kept on a stack.
+    A supernode is a run of columns treated as dense, all with the same rows under them. Its *panel*
+    holds the square of its columns and, below, those rows. Children come before parents, one family
+    after another, which lets Schur complements be kept on a stack.
 
     Attributes
     ----------
@@ -46,7 +45,7 @@ class EliminationPlan(NamedTuple):
     places
         Shape of `rows`: where each of them lies among the columns and rows of the parent.
     panel_start
-        Shape (s + 1,): of each panel; the last is the number of entries of the factor.
+        Shape (s + 1,): entries of all panels before each; the last is that of the factor.
     entry_start, entry_source, entry_target
         The matrix's entries in supernode i are data[entry_source[e]], for e from entry_start[i]
         up to entry_start[i + 1]; each belongs at entry_target[e] of the panel.

@@ -3,17 +3,15 @@
 On the way down the supernodes a solve needs what is under their columns, row by row; on the way
 back the same numbers, and the inverse of the square on top, column by column. Either way it wants
 eight lines side by side, which fill a register or a line of the cache. What is under the columns
-is therefore stored twice. A processor that is told nothing else brings a stream near by itself.
+is therefore stored twice. What is read from end to end can be asked for a fixed way ahead.
 """
 
 from typing import NamedTuple
 
-import numpy as np
-
 from auricle.arrays import Floats
 from auricle.compiled import compiled, compiled_inline
 from auricle.spectral.elimination import EliminationPlan
-from auricle.spectral.lanes import Lanes, eight, four, load, store, width
+from auricle.spectral.lanes import Lanes, aligned, eight, four, load, store, width
 from auricle.spectral.side_by_side import set_side_by_side
 from auricle.spectral.tile_sums import TILE, tile_width
 
@@ -64,21 +62,19 @@ class Rooms:
 def empty_streams(plan: EliminationPlan) -> FactorStreams:
     """Room for the factors of a plan."""
     n_down, n_up = stream_sizes(plan)
-    return FactorStreams(_aligned(n_down), _aligned(n_up))
+    return FactorStreams(aligned(n_down), aligned(n_up))
 
 
-def _aligned(size: int) -> Floats:
-    """Room that begins with a line of the cache."""
-    room = np.empty(size + TILE)
-    first = -(room.ctypes.data // room.itemsize) % TILE
-    return room[first : first + size]
-
-
+@compiled
 def stream_sizes(plan: EliminationPlan) -> tuple[int, int]:
     """Numbers in both streams."""
-    widths, heights = np.diff(plan.first_column), np.diff(plan.row_start)
-    down = (heights + -heights % 4) * widths
-    return int(down.sum()), int(((widths + -widths % 4) * (widths + heights)).sum())
+    down, up = 0, 0
+    for s in range(len(plan.parent)):
+        n_columns = plan.first_column[s + 1] - plan.first_column[s]
+        n_rows = plan.row_start[s + 1] - plan.row_start[s]
+        down += down_size(n_columns, n_rows)
+        up += up_size(n_columns, n_rows)
+    return down, up
 
 
 @compiled_inline

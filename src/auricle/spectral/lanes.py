@@ -8,6 +8,7 @@ written down. They work on any processor: where registers are narrower the compi
 from collections.abc import Callable
 from typing import Any, Final, TypeVar, cast
 
+import numpy as np
 from numba.core import types
 from numba.core.cgutils import ir
 from numba.extending import intrinsic, models, register_model
@@ -16,6 +17,8 @@ from auricle.arrays import Floats
 
 F = TypeVar("F", bound=Callable[..., object])
 
+_LINE = 8
+"""Numbers in a line of the cache."""
 _CONTRACT = ("contract",)
 """A product and the sum it goes into may be one instruction, rounded once."""
 _READ, _SOON, _DATA = 0, 2, 1
@@ -194,6 +197,16 @@ def _total(typing: Any, lanes: Any) -> Any:
         return parts[0]
 
     return types.float64(lanes), generate
+
+
+def aligned(size: int) -> Floats:
+    """Room for so many numbers that begins with a line of the processor's cache.
+
+    A register of eight numbers read from there on lies within one line, and not across two.
+    """
+    room = np.empty(size + _LINE)
+    first = -(room.ctypes.data // room.itemsize) % _LINE
+    return room[first : first + size]
 
 
 four: Final = cast(Callable[[float], Lanes], _register_filler(4))

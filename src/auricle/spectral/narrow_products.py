@@ -17,6 +17,7 @@ from auricle.spectral.lanes import (
     added,
     added_multiple,
     added_product,
+    aligned,
     eight,
     four,
     load,
@@ -25,7 +26,7 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
-from auricle.spectral.turned_products import SIXTEEN, project_sixteen, subtract_sixteen
+from auricle.spectral.turned_products import PAIR, SIXTEEN, project_sixteen, subtract_sixteen
 
 Groups: TypeAlias = Floats
 """Vectors in groups, shape (g, n, lanes), contiguous; four or eight lanes."""
@@ -36,17 +37,14 @@ _Places: TypeAlias = tuple[int, int, int, int, int]
 """Where four basis vectors begin, where four others do, where a group of the block does, how far on
 its next one lies, and how far ahead basis vectors are asked for."""
 _Eight: TypeAlias = tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]
-_STRIP, _AHEAD, _LINE = 2048, 1024, 8
-"""Numbers of a group that are worked on at a time and stay in the cache; how far ahead they
-are asked for; and in a line of the cache."""
+_STRIP, _AHEAD = 2048, 1024
+"""Numbers of a group that are worked on at a time and stay in the cache, and how far ahead they are
+asked for."""
 
 
 def aligned_groups(count: int, n: int, lanes: int) -> Groups:
     """Room for so many groups of vectors of length n, each register within a line of the cache."""
-    size = count * n * lanes
-    room = np.empty(size + _LINE)
-    first = -(room.ctypes.data // room.itemsize) % _LINE
-    return room[first : first + size].reshape(count, n, lanes)
+    return aligned(count * n * lanes).reshape(count, n, lanes)
 
 
 @compiled
@@ -56,7 +54,7 @@ def project(basis: Groups, block: Groups, coefficients: Floats, zero: Lanes) -> 
     Shape (m, b), contiguous, for m and b vectors. A strip of the basis is read once for all of the
     block, which stays in the cache. Here and below `zero` has as many lanes as the groups.
     """
-    length, target = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(_LINE))
+    length, target = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(PAIR))
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
         _project_strip(_strip(basis, begin), _strip(block, begin), count, target, zero)
@@ -179,7 +177,7 @@ def _add_rows(rows: _Eight, sums: Floats, place: int, apart: int, n_rows: int) -
 @compiled
 def subtract(basis: Groups, coefficients: Floats, block: Groups, zero: Lanes) -> None:
     """Take coefficientsᵀ·basis out of `block`, a strip at a time that stays in the cache."""
-    length, source = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(_LINE))
+    length, source = _STRIP // width(zero), (coefficients.reshape(-1), np.empty(PAIR))
     for begin in range(0, basis.shape[1], length):
         count = min(length, basis.shape[1] - begin)
         _subtract_strip(_strip(basis, begin), _strip(block, begin), count, source, zero)

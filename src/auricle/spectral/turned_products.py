@@ -24,8 +24,10 @@ from auricle.spectral.lanes import (
 
 SIXTEEN = 4
 """Groups that are taken together."""
-_AHEAD, _PAIR = 512, 8
-"""How far ahead numbers are asked for, and numbers of two vertices."""
+PAIR = 8
+"""Numbers of two vertices."""
+_AHEAD = 512
+"""How far ahead numbers are asked for."""
 _Four: TypeAlias = tuple[Lanes, Lanes, Lanes, Lanes]
 _Part: TypeAlias = tuple[Floats, int, int]
 """Part of some groups: the numbers, where the first group's part begins, and how far apart those of
@@ -54,7 +56,7 @@ def project_sixteen(
         b = _met(b, load(zero, numbers, p + apart), turned)
         c = _met(c, load(zero, numbers, p + 2 * apart), turned)
         d = _met(d, load(zero, numbers, p + 3 * apart), turned)
-        p, q = p + _PAIR, q + _PAIR
+        p, q = p + PAIR, q + PAIR
     sums, place, room = target
     for group, found in enumerate((a, b, c, d)):
         _add_turned(found, sums, place + group * 16, room)
@@ -110,7 +112,7 @@ def subtract_sixteen(
         x, y, z, w = _met(sums, load(zero, numbers, p + 3 * apart), d)
         x, z = added(x, turned_thrice(y)), added(turned_twice(z), turned_once(w))
         store(added(x, z), others, q)
-        p, q = p + _PAIR, q + _PAIR
+        p, q = p + PAIR, q + PAIR
     if count % 2 == 1:
         for row in range(16):
             number = numbers[p + row // 4 * apart + row % 4]
