@@ -5,7 +5,8 @@ import pytest
 from scipy import sparse
 
 from auricle.spectral.harmonics import LARGEST_RESIDUAL, manifold_harmonics
-from auricle.spectral.refinement import corrected, rayleigh_quotients
+from auricle.spectral.refinement import corrected
+from auricle.spectral.separation import Measure
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
 from auricle.surface.shapes import icosphere, joined
@@ -26,11 +27,11 @@ def test_noise_of_rounding_at_vertices_without_area_is_taken_out(rng) -> None:
     matrix = graded()
     truth, vectors = np.linalg.eigh(matrix.toarray())
     rows = vectors[:, :20].T + 1e-15 * rng.standard_normal((20, 300))
-    found, residuals = rayleigh_quotients(matrix, rows, truth[:20], WORKERS)
-    assert (residuals / np.maximum(found, found[1])).max() > 2e-9
-    rows = corrected(matrix, rows, found, least=float(found[1]), workers=WORKERS).rows
-    found, residuals = rayleigh_quotients(matrix, rows, truth[:20], WORKERS)
-    assert (residuals / np.maximum(found, found[1])).max() < 1e-9
+    separated, least = Measure.of(matrix, truth[20], WORKERS), truth[1]
+    before = separated(rows, truth[:20])
+    assert before.relative_residuals(least).max() > 2e-9
+    rows = corrected(matrix, rows, before.values, least=least, workers=WORKERS).rows
+    assert separated(rows, truth[:20]).relative_residuals(least).max() < 1e-9
     assert np.abs(rows @ rows.T - np.eye(len(rows))).max() < 1e-11
 
 

@@ -30,13 +30,27 @@ def test_quotients_and_what_is_beyond_are_those_of_the_definition(rng, count, of
     images, sizes = (matrix @ rows.T).T, (rows**2).sum(axis=1)
     values = (images * rows).sum(axis=1) / sizes
     beyond = np.linalg.norm(images - values[:, None] * rows, axis=1)
-    found, norms = row_quotients(matrix, rows, values + off)
-    np.testing.assert_allclose(found, values, atol=1e-12)
-    np.testing.assert_allclose(norms, beyond, rtol=1e-10)
+    scaling = rng.uniform(0.1, 1.0, 57)
+    scaled = np.linalg.norm(scaling * (images - values[:, None] * rows), axis=1)
+    found = row_quotients(matrix, rows, values + off, scaling)
+    np.testing.assert_allclose(found.values, values, atol=1e-12)
+    np.testing.assert_allclose(found.norms, beyond, rtol=1e-10)
+    np.testing.assert_allclose(found.scaled_norms, scaled, rtol=1e-10)
+    np.testing.assert_allclose(found.stretched, np.linalg.norm(rows / scaling, axis=1), rtol=1e-13)
+
+
+def test_quotients_of_a_part_of_columns_side_by_side_are_the_same(rng) -> None:
+    matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 91.0)))
+    room, scaling = rng.standard_normal((90, 31)), np.ones(90)
+    apart = row_quotients(matrix, np.ascontiguousarray(room[:, 2:29].T), np.zeros(27), scaling)
+    beside = row_quotients(matrix, room[:, 2:29].T, np.zeros(27), scaling)
+    np.testing.assert_array_equal(apart.values, beside.values)
+    np.testing.assert_array_equal(apart.norms, beside.norms)
 
 
 def test_what_an_eigenvector_leaves_is_seen_however_little_it_is() -> None:
     matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 9.0)))
     row = np.eye(8)[2:3] + 1e-11 * np.eye(8)[6:7]
-    _, norms = row_quotients(matrix, row, np.array([3.0]))
-    np.testing.assert_allclose(norms, 4e-11, rtol=1e-6)
+    found = row_quotients(matrix, row, np.array([3.0]), np.full(8, 0.5))
+    np.testing.assert_allclose(found.norms, 4e-11, rtol=1e-6)
+    np.testing.assert_allclose(found.scaled_norms, 2e-11, rtol=1e-6)

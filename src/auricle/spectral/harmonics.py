@@ -47,7 +47,7 @@ class Certificate:
         relative to the first eigenvalue that is not zero.
     largest_orthogonality_error
         Of |modesᵀ·areas·modes − identity|: measured, but for modes whose eigenvalues are so far
-        apart that their residuals bound it to less than 2e-11.
+        apart that their residuals bound it to less than 4e-11.
     n_zero_modes
         Harmonics constant on a piece of the surface: as many as there are pieces.
     method

@@ -3,9 +3,11 @@
 import numpy as np
 
 from auricle.arrays import Floats, Integers, Modes, PerVertex, frozen
-from auricle.compiled import compiled
+from auricle.compiled import compiled, compiled_inline
+from auricle.spectral.lanes import added_product, eight, load, prefetch, store
 from auricle.spectral.workers import Workers, slices
 
+_LANES = 8
 _MOST_UNUSED = 0.25
 """Share of the room that may stay unused behind the modes; else they are copied out of it."""
 
@@ -82,9 +84,9 @@ def _turn(
 ) -> None:
     """Scale the entries of some columns, and put each row where its vertex is.
 
-    Each cycle of the permutation is gone round once, with one row in hand.
+    Each cycle of the permutation is gone round once, with one row in hand and the next asked for.
     """
-    width = end - begin
+    width, step = end - begin, modes.shape[1]
     held, placed = np.empty(width), np.zeros(len(order), np.bool_)
     for start in range(len(order)):
         if placed[start]:
@@ -93,9 +95,28 @@ def _turn(
         p = start
         while not placed[p]:
             placed[p] = True
-            row = modes[order[p], begin:end]
-            for j in range(width):
-                value = signs[begin + j] * (held[j] * roots[p])
-                held[j] = row[j]
-                row[j] = value
+            places = (order[p] * step + begin, order[order[p]] * step + begin)
+            _exchange(modes, places, held, roots[p], signs[begin:end])
             p = order[p]
+
+
+@compiled_inline
+def _exchange(
+    modes: Floats, places: tuple[int, int], held: Floats, root: float, signs: Floats
+) -> None:
+    """Put what is held, scaled, in the first place, and hold what was there; ask for the next."""
+    place, ahead = places
+    zero, roots, n_whole = eight(0.0), eight(root), len(held) // _LANES * _LANES
+    for j in range(0, n_whole, _LANES):
+        prefetch(modes, ahead + j)
+        found, scaled = (
+            load(zero, modes, place + j),
+            added_product(zero, load(zero, held, j), roots),
+        )
+        store(added_product(zero, scaled, load(zero, signs, j)), modes, place + j)
+        store(found, held, j)
+    numbers = modes.reshape(-1)
+    for j in range(n_whole, len(held)):
+        value = signs[j] * (held[j] * root)
+        held[j] = numbers[place + j]
+        numbers[place + j] = value

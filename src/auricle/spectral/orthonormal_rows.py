@@ -1,79 +1,24 @@
 """Many nearly orthonormal rows made orthonormal, and how far from that they are."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from auricle.arrays import Floats, Integers, PerMode
+from auricle.arrays import Floats, PerMode
 from auricle.spectral.gram_tiles import fill_products, tiles
+from auricle.spectral.separation import Separation
 from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
 """Rows before and after each that it departs from orthogonal to by more than to others."""
-_NEGLIGIBLE = 2e-11
+_NEGLIGIBLE = 4e-11
 """Inner product that need not be measured where it is known not to exceed this."""
 _ORTHONORMAL = 5e-11
 """Departure from orthonormality that is left alone."""
 _SINGLE = 1e-8
 """Departure that single precision suffices to correct for: its error is 1e-7 of that."""
 _MOST_STEPS, _PARTS = 4, 4
-
-
-@dataclass(frozen=True, eq=False)
-class Separation:
-    """What keeps approximate eigenvectors of one symmetric matrix apart.
-
-    Attributes
-    ----------
-    values
-        Approximate eigenvalues, ascending, shape (k,).
-    residuals
-        Norms of what the matrix makes of the vectors beyond these multiples, shape (k,).
-    hidden
-        What rounding may hide of each.
-    """
-
-    values: PerMode
-    residuals: PerMode
-    hidden: float
-
-    def relative_residuals(self, least: float) -> PerMode:
-        """Residuals over eigenvalues; over `least` where these are smaller."""
-        relative: PerMode = self.residuals / np.maximum(self.values, least)
-        return relative
-
-    def replaced(self, some: Integers, own: "Separation") -> "Separation":
-        """The same with that of some of the vectors, found anew, in place of theirs."""
-        values, residuals = self.values.copy(), self.residuals.copy()
-        values[some], residuals[some] = own.values, own.residuals
-        return replace(self, values=values, residuals=residuals)
-
-    def bounds(self, groups: Integers) -> Floats:
-        """Largest inner product that vectors of two groups can have; ∞ where nothing is known.
-
-        With A·u = μ·u + r and A·v = ν·v + s the product (μ − ν)·u·v is u·s − v·r, so that for
-        vectors of length one |u·v| is not more than (‖r‖ + ‖s‖) / |μ − ν|.
-
-        Parameters
-        ----------
-        groups
-            Indices of vectors, shape (t, any); the result has shape (t, t), and is ∞ where the
-            first of the two groups does not lie above the second.
-
-        Examples
-        --------
-        >>> apart = Separation(np.array([1.0, 2.0, 4.0]), np.array([1e-9, 3e-9, 1e-9]), 0.0)
-        >>> float(apart.bounds(np.array([[0, 1], [2, 2]]))[1, 0])
-        2e-09
-        """
-        lowest, highest = self.values[groups].min(axis=1), self.values[groups].max(axis=1)
-        beyond = self.residuals[groups].max(axis=1)
-        distance = lowest[:, None] - highest
-        sizes = beyond[:, None] + beyond + 2 * self.hidden
-        bounds = np.full(sizes.shape, np.inf)
-        np.divide(sizes, distance, out=bounds, where=distance > 0)
-        return bounds
 
 
 @dataclass(frozen=True, eq=False)

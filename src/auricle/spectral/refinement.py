@@ -9,8 +9,9 @@ from auricle.spectral.factorization import (
     SymbolicFactorization,
     factorize,
 )
-from auricle.spectral.orthonormal_rows import Orthonormal, Separation, orthonormalized
-from auricle.spectral.row_products import row_products, row_quotients
+from auricle.spectral.orthonormal_rows import Orthonormal, orthonormalized
+from auricle.spectral.row_products import row_products
+from auricle.spectral.separation import Measure
 from auricle.spectral.workers import Workers, slices
 
 _AT_ONCE = 16
@@ -23,22 +24,6 @@ _CORRECTIONS = 4
 _PROGRESS = 0.5
 """Share of the largest residual that must be gone for another correction to be worth its time."""
 _SIMILAR, _BELOW = 1.1, 0.995
-
-
-def rayleigh_quotients(
-    matrix: sparse.csc_array, rows: Floats, guesses: PerMode, workers: Workers
-) -> tuple[PerMode, PerMode]:
-    """Of each row the value nearest to an eigenvalue, and the norm of what is left, shape (k,).
-
-    From nearly these values, as `row_quotients`.
-    """
-    values, residuals = np.empty(len(rows)), np.empty(len(rows))
-
-    def fill(some: slice) -> None:
-        values[some], residuals[some] = row_quotients(matrix, rows[some], guesses[some])
-
-    workers.each(fill, slices(len(rows), _AT_ONCE))
-    return values, residuals
 
 
 def free_of_rounding(
@@ -103,11 +88,7 @@ def corrected(
     symbolic
         The analysis of the matrix's pattern, where there is one at hand.
     """
-    hidden = _rounding(matrix)
-
-    def separated(rows: Floats, guesses: PerMode) -> Separation:
-        return Separation(*rayleigh_quotients(matrix, rows, guesses, workers), hidden)
-
+    separated = Measure.of(matrix, float(np.abs(guesses).max(initial=0.0)), workers)
     known = separated(rows, guesses)
     relative = known.relative_residuals(least)
     if relative.max() > _ENOUGH:
@@ -131,17 +112,6 @@ def corrected(
             _solve_for(matrix, rows, some, factors, workers)
         found = orthonormalized(rows, separated(rows, known.values), separated, workers)
     return found
-
-
-def _rounding(matrix: sparse.csc_array) -> float:
-    """What rounding can hide of the matrix's product with a vector of length one, less a multiple.
-
-    A sum of d products is right to d + 1 roundings of their magnitudes, and the multiple is not
-    larger than the matrix.
-    """
-    columns = sparse.csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), matrix.shape)
-    n_products = int(np.diff(matrix.indptr).max()) + 1
-    return float(2 * columns.sum(axis=0).max() * n_products * np.finfo(float).eps)
 
 
 def _by_height(values: PerMode, poor: Integers, least: float) -> list[tuple[float, Integers]]:
