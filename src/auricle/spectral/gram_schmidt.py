@@ -3,12 +3,14 @@
 Vectors are in groups, as `auricle.spectral.narrow_products` takes them.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
 from auricle.spectral.lanes import Lanes, eight, four
-from auricle.spectral.narrow_products import Groups, combine, project, squares, subtract
+from auricle.spectral.narrow_products import Groups, combine, project, subtract_and_measure
 
 _CANCELLED = 1e-3
 _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
@@ -16,7 +18,22 @@ _DEPENDENT, _INDEPENDENT = 1e-5, 0.3
 right to rounding at the first attempt."""
 
 
-def orthogonalize(basis: Groups, block: Groups) -> Floats:
+class TakenOut(NamedTuple):
+    """What was taken out of a block of vectors, and what that has left.
+
+    Attributes
+    ----------
+    coefficients
+        Of the block in the basis, shape (g·lanes, h·lanes).
+    products
+        Inner products of the vectors that are left with each other, shape (h·lanes, h·lanes).
+    """
+
+    coefficients: Floats
+    products: Floats
+
+
+def orthogonalize(basis: Groups, block: Groups) -> TakenOut:
     """Take out of `block`, in place, what lies in the span of `basis`; returns what that was.
 
     Parameters
@@ -26,47 +43,47 @@ def orthogonalize(basis: Groups, block: Groups) -> Floats:
     block
         Vectors, shape (h, n, lanes), changed in place.
 
-    Returns
-    -------
-    Floats
-        Coefficients of `block` in the basis, shape (g·lanes, h·lanes).
-
     Examples
     --------
     >>> basis, block = np.zeros((1, 2, 4)), np.zeros((1, 2, 4))
     >>> basis[0, :, 0], block[0, :, 0] = [1.0, 0.0], [3.0, 4.0]
-    >>> orthogonalize(basis, block)[0].tolist(), block[0, :, 0].tolist()
-    ([3.0, 0.0, 0.0, 0.0], [0.0, 4.0])
+    >>> taken = orthogonalize(basis, block)
+    >>> taken.coefficients[0].tolist(), block[0, :, 0].tolist(), float(taken.products[0, 0])
+    ([3.0, 0.0, 0.0, 0.0], [0.0, 4.0], 16.0)
     """
     lanes = block.shape[2]
-    coefficients = np.zeros((len(basis) * lanes, len(block) * lanes))
-    if len(basis):
-        (_take_out_fours if lanes == 4 else _take_out_eights)(basis, block, coefficients)
-    return coefficients
+    size = len(block) * lanes
+    taken = TakenOut(np.zeros((len(basis) * lanes, size)), np.zeros((size, size)))
+    (_take_out_fours if lanes == 4 else _take_out_eights)(basis, block, *taken)
+    return taken
 
 
-def lengths(block: Groups) -> Floats:
-    """Of vectors, shape (b,)."""
-    return np.asarray(np.sqrt((_squares_fours if block.shape[2] == 4 else _squares_eights)(block)))
-
-
-def orthonormalize(block: Groups) -> Floats:
+def orthonormalize(block: Groups, products: Floats) -> Floats:
     """Make the vectors of `block` orthonormal, in place; returns what they were made of.
 
-    That is a lower triangle with old vectors = triangle·new vectors: Cholesky's factor of the Gram
-    matrix, once more where that was far from the identity; Householder's method where the vectors
-    are too near to dependent for that.
+    That is a lower triangle with old vectors = triangle·new vectors: Cholesky's factor of their
+    inner products, once more where that was far from the identity; Householder's method where the
+    vectors are too near to dependent for that.
+
+    Parameters
+    ----------
+    block
+        Shape (h, n, lanes).
+    products
+        Inner products of its vectors, shape (h·lanes, h·lanes); used up.
 
     Examples
     --------
     >>> block = np.array([[[3.0, 4.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0, 0, 1, 0], [0, 0, 0, 1]]])
-    >>> orthonormalize(block)[:2, :2].round(12).tolist(), block[0, :2, :2].round(12).T.tolist()
-    ([[3.0, 0.0], [4.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]])
+    >>> orthonormalize(block, block[0].T @ block[0])[:2, :2].round(12).tolist()
+    [[3.0, 0.0], [4.0, 2.0]]
+    >>> block[0, :2, :2].round(12).T.tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
     """
     lanes = block.shape[2]
-    triangle = np.eye(len(block) * lanes)
+    triangle = np.eye(len(products))
     make = _make_fours_orthonormal if lanes == 4 else _make_eights_orthonormal
-    if not make(block, triangle):
+    if not make(block, products, triangle):
         columns, upper = np.linalg.qr(np.concatenate(list(block), axis=1))
         for i, group in enumerate(block):
             group[:] = columns[:, i * lanes : (i + 1) * lanes]
@@ -78,62 +95,54 @@ def orthonormalize(block: Groups) -> Floats:
 
 
 @compiled
-def _take_out_fours(basis: Groups, block: Groups, coefficients: Floats) -> None:
-    _take_out(basis, block, coefficients, four(0.0))
+def _take_out_fours(basis: Groups, block: Groups, coefficients: Floats, products: Floats) -> None:
+    _take_out(basis, block, coefficients, products, four(0.0))
 
 
 @compiled
-def _take_out_eights(basis: Groups, block: Groups, coefficients: Floats) -> None:
-    _take_out(basis, block, coefficients, eight(0.0))
+def _take_out_eights(basis: Groups, block: Groups, coefficients: Floats, products: Floats) -> None:
+    _take_out(basis, block, coefficients, products, eight(0.0))
 
 
 @compiled
-def _make_fours_orthonormal(block: Groups, triangle: Floats) -> bool:
-    return _make_orthonormal(block, triangle, four(0.0))
+def _make_fours_orthonormal(block: Groups, products: Floats, triangle: Floats) -> bool:
+    return _make_orthonormal(block, products, triangle, four(0.0))
 
 
 @compiled
-def _make_eights_orthonormal(block: Groups, triangle: Floats) -> bool:
-    return _make_orthonormal(block, triangle, eight(0.0))
+def _make_eights_orthonormal(block: Groups, products: Floats, triangle: Floats) -> bool:
+    return _make_orthonormal(block, products, triangle, eight(0.0))
 
 
 @compiled
-def _squares_fours(block: Groups) -> Floats:
-    return squares(block, four(0.0))
-
-
-@compiled
-def _squares_eights(block: Groups) -> Floats:
-    return squares(block, eight(0.0))
-
-
-@compiled
-def _make_orthonormal(block: Groups, triangle: Floats, zero: Lanes) -> bool:
+def _make_orthonormal(block: Groups, products: Floats, triangle: Floats, zero: Lanes) -> bool:
     """Make vectors orthonormal; what they were made of is put into `triangle`.
 
     False where they are too near to dependent, with as much done as could be.
     """
-    for _ in range(2):
-        gram = np.zeros_like(triangle)
-        project(block, block, gram, zero)
-        sizes = np.sqrt(np.diag(gram))
-        if not sizes.min() > 0:
+    factor = np.zeros_like(triangle)
+    for attempt in range(2):
+        if attempt > 0:
+            products[:] = 0.0
+            project(block, block, products, zero)
+        least = _fill_cholesky(products, factor)
+        if not least >= _DEPENDENT:
             return False
-        factor = _cholesky(gram / np.outer(sizes, sizes))
-        least = np.diag(factor).min()
-        if least < _DEPENDENT:
-            return False
-        combine(_inverse(factor) / sizes, block, zero)
-        triangle[:] = triangle @ (sizes.reshape((-1, 1)) * factor)
+        combine(_inverse(factor), block, zero)
+        _multiply_triangle(triangle, factor)
         if least > _INDEPENDENT:
             break
     return True
 
 
 @compiled
-def _cholesky(matrix: Floats) -> Floats:
-    """The triangle of a small matrix of few rows; a diagonal entry is 0 where there is none."""
-    factor = np.zeros_like(matrix)
+def _fill_cholesky(matrix: Floats, factor: Floats) -> float:
+    """Fill the triangle of a small matrix of inner products.
+
+    Returns the least part of a vector's length that is not in the span of those before, the
+    diagonal of the triangle over that length; 0 where there is none.
+    """
+    least = 1.0
     for j in range(len(matrix)):
         for i in range(j, len(matrix)):
             rest = matrix[i, j]
@@ -143,9 +152,21 @@ def _cholesky(matrix: Floats) -> Floats:
                 factor[i, j] = rest / factor[j, j]
             elif rest > 0:
                 factor[j, j] = np.sqrt(rest)
+                least = min(least, np.sqrt(rest / matrix[j, j]))
             else:
-                return factor
-    return factor
+                return 0.0
+    return least
+
+
+@compiled
+def _multiply_triangle(triangle: Floats, factor: Floats) -> None:
+    """Turn a small lower triangle into triangle·factor, another one."""
+    for i in range(len(triangle)):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(j, i + 1):
+                total += triangle[i, k] * factor[k, j]
+            triangle[i, j] = total
 
 
 @compiled
@@ -162,16 +183,35 @@ def _inverse(triangle: Floats) -> Floats:
 
 
 @compiled
-def _take_out(basis: Groups, block: Groups, coefficients: Floats, zero: Lanes) -> None:
-    """Take the span of the basis out of `block`, and add what that was to `coefficients`."""
+def _take_out(
+    basis: Groups, block: Groups, coefficients: Floats, products: Floats, zero: Lanes
+) -> None:
+    """Take the span of the basis out of `block`, and add what that was to `coefficients`.
+
+    Sets `products` to the inner products of what is left.
+    """
     taken = np.empty_like(coefficients)
     for _ in range(2):
         taken[:] = 0.0
+        products[:] = 0.0
         project(basis, block, taken, zero)
-        subtract(basis, taken, block, zero)
+        subtract_and_measure(basis, taken, block, products, zero)
         coefficients += taken
-        # Twice is enough (Kahan, Parlett), and once where little cancelled. What was taken is
-        # orthogonal to what is left, so that their squares add up to those before.
-        left = squares(block, zero)
-        if (left >= _CANCELLED**2 * (left + (taken**2).sum(axis=0))).all():
+        # Twice is enough (Kahan, Parlett), and once where little cancelled.
+        if not _has_cancelled(taken, products):
             break
+
+
+@compiled
+def _has_cancelled(taken: Floats, products: Floats) -> bool:
+    """Whether of some vector next to nothing is left.
+
+    What was taken is orthogonal to what is left, so that their squares add up to those before.
+    """
+    for i in range(len(products)):
+        gone = 0.0
+        for k in range(len(taken)):
+            gone += taken[k, i] ** 2
+        if not products[i, i] >= _CANCELLED**2 * (products[i, i] + gone):
+            return True
+    return False

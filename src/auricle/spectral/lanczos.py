@@ -8,7 +8,7 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
-from auricle.spectral.gram_schmidt import lengths, orthogonalize, orthonormalize
+from auricle.spectral.gram_schmidt import orthogonalize, orthonormalize
 from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.ritz_vectors import fill_combinations
 from auricle.spectral.workers import Workers
@@ -118,8 +118,8 @@ class LanczosRun:
         self._weights = np.empty((0, 0))
         start = self._basis[self._n_known : self._n_known + effort.block // lanes]
         start[:] = rng.standard_normal((n, len(start), lanes)).swapaxes(0, 1)
-        orthogonalize(self._basis[: self._n_known], start)
-        self._coupling = orthonormalize(start)
+        left = orthogonalize(self._basis[: self._n_known], start).products
+        self._coupling = orthonormalize(start, left)
 
     def until(self, missing: Callable[[Floats], int] | None = None) -> Self:
         """Go on until no converged eigenvalue is missing, or the effort is spent.
@@ -170,20 +170,21 @@ class LanczosRun:
             end = self._n_known + (step + 1) * width
             for group in range(end, end + width):
                 self.factors.solve_group(self._basis[group - width], self._basis[group])
-            diagonal = self._orthogonalized(end)
+            diagonal, left = self._orthogonalized(end)
             here = slice(step * self._effort.block, (step + 1) * self._effort.block)
             self._projected[here, here] = (diagonal + diagonal.T) / 2
             if step:
                 before = slice(here.start - self._effort.block, here.start)
                 self._projected[before, here] = self._coupling
                 self._projected[here, before] = self._coupling.T
-            self._coupling = orthonormalize(self._basis[end : end + width])
+            self._coupling = orthonormalize(self._basis[end : end + width], left)
         self._n_steps = max(n_steps, self._n_steps)
 
-    def _orthogonalized(self, end: int) -> Floats:
+    def _orthogonalized(self, end: int) -> tuple[Floats, Floats]:
         """Make the block from group `end` on orthogonal to the basis before it.
 
-        It is the image of the block before; returns its part in that.
+        It is the image of the block before; returns its part in that, and the inner products of
+        what is left.
 
         In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
         and every step that looks at the last two only enlarges that, by the ratio of the operator
@@ -192,22 +193,22 @@ class LanczosRun:
         """
         block, width = self._effort.block, self._effort.block // self._effort.lanes
         image = self._basis[end : end + width]
-        inside = orthogonalize(self._basis[max(end - 2 * width, 0) : end], image)
+        inside, left = orthogonalize(self._basis[max(end - 2 * width, 0) : end], image)
         if self._n_known:
-            inside[-block:] += orthogonalize(self._basis[:end], image)[-block:]
-            return inside[-block:]
-        self._scale = max(self._scale, float(np.linalg.norm(inside)))
-        sizes = lengths(image)
+            rest, left = orthogonalize(self._basis[:end], image)
+            return inside[-block:] + rest[-block:], left
+        self._scale = max(self._scale, float(np.sqrt(np.vdot(inside, inside))))
+        sizes = np.sqrt(left.diagonal())
         before, last = self._lost
-        lost = last * self._scale / sizes.min() + before
+        lost = last * self._scale / float(sizes.min()) + before
         self._lost = (last, lost)
         if lost > _MOST_LEFT:
-            found = np.abs(orthogonalize(self._basis[:end], image))
+            rest, left = orthogonalize(self._basis[:end], image)
             # What was found tells how much rounding leaves in this run.
-            excess = float((found.max(axis=0) / sizes).max()) / lost
+            excess = float((np.abs(rest).max(axis=0) / sizes).max()) / lost
             self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LEFT)
             self._lost = (last, self._least)
-        return inside[-block:]
+        return inside[-block:], left
 
     def _ritz(self) -> tuple[Floats, Floats, Floats]:
         """Ritz values of the inverse, weights in the basis, and what couples these onwards."""

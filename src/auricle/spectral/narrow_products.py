@@ -16,7 +16,6 @@ from auricle.spectral.lanes import (
     Lanes,
     added,
     added_multiple,
-    added_product,
     aligned,
     eight,
     four,
@@ -26,7 +25,13 @@ from auricle.spectral.lanes import (
     subtracted,
     width,
 )
-from auricle.spectral.turned_products import PAIR, SIXTEEN, project_sixteen, subtract_sixteen
+from auricle.spectral.turned_products import (
+    PAIR,
+    SIXTEEN,
+    project_itself,
+    project_sixteen,
+    subtract_sixteen,
+)
 
 Groups: TypeAlias = Floats
 """Vectors in groups, shape (g, n, lanes), contiguous; four or eight lanes."""
@@ -184,6 +189,27 @@ def subtract(basis: Groups, coefficients: Floats, block: Groups, zero: Lanes) ->
 
 
 @compiled
+def subtract_and_measure(
+    basis: Groups, coefficients: Floats, block: Groups, products: Floats, zero: Lanes
+) -> None:
+    """As `subtract`, and add the inner products of what is left to `products`.
+
+    These are symmetric, shape (b, b).
+    What is left of a strip is still near by when it is measured.
+    """
+    length, room = _STRIP // width(zero), np.empty(PAIR)
+    source, target = (coefficients.reshape(-1), room), (products.reshape(-1), room)
+    for begin in range(0, block.shape[1], length):
+        count = min(length, block.shape[1] - begin)
+        own = _strip(block, begin)
+        _subtract_strip(_strip(basis, begin), own, count, source, zero)
+        if width(zero) == 4 and len(block) == 1:
+            project_itself((own[0], own[1]), count, (target[0], 0, room))
+        else:
+            _project_strip(own, own, count, target, zero)
+
+
+@compiled
 def combine(factors: Floats, block: Groups, zero: Lanes) -> None:
     """Turn the vectors of a block into factors·vectors, in place; `factors` has shape (b, b)."""
     coefficients = np.ascontiguousarray(-factors.T)
@@ -305,24 +331,6 @@ def _subtract_from_one(
         x, y = added_multiple(x, numbers, r + 2, c6), added_multiple(y, numbers, r + 3, c7)
         store(added(x, y), others, q)
         p, r, q = p + width(c0), r + width(c0), q + width(c0)
-
-
-@compiled
-def squares(block: Groups, zero: Lanes) -> Floats:
-    """Sums of squares of the vectors, shape (b,)."""
-    n, lanes = block.shape[1], block.shape[2]
-    numbers, sums = block.reshape(-1), np.empty(len(block) * lanes)
-    for q in range(len(block)):
-        a, b, p = zero, zero, q * n * lanes
-        for _ in range(n // 2):
-            x, y = load(zero, numbers, p), load(zero, numbers, p + lanes)
-            a, b = added_product(a, x, x), added_product(b, y, y)
-            p += 2 * lanes
-        if n % 2 == 1:
-            x = load(zero, numbers, p)
-            a = added_product(a, x, x)
-        store(added(a, b), sums, q * lanes)
-    return sums
 
 
 def copy_entries(groups: Groups, begin: int, entries: Floats) -> None:

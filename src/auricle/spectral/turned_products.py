@@ -67,6 +67,32 @@ def project_sixteen(
                 sums[place + row * 4 + i] += number * others[q + i]
 
 
+@compiled_in_place
+def project_itself(
+    block: tuple[Floats, int], count: int, target: tuple[Floats, int, Floats]
+) -> None:
+    """Add the products of a group with itself, over `count` vertices, to 4 by 4 symmetric sums.
+
+    The product of two vectors is found once, and put in both of its places.
+    """
+    others, q = block
+    zero = eight(0.0)
+    a, b, c = zero, zero, zero
+    for _ in range(count // 2):
+        x = load(zero, others, q)
+        a, b = added_product(a, x, x), added_product(b, x, turned_once(x))
+        c = added_product(c, x, turned_twice(x))
+        q += PAIR
+    sums, place, room = target
+    _add_turned((a, b, c, zero), sums, place, room)
+    for j in range(4):
+        sums[place + 4 * ((j + 1) % 4) + j] = sums[place + 4 * j + (j + 1) % 4]
+    if count % 2 == 1:
+        for j in range(4):
+            for i in range(4):
+                sums[place + j * 4 + i] += others[q + j] * others[q + i]
+
+
 @compiled_inline
 def _met(sums: _Four, line: Lanes, turned: _Four) -> _Four:
     """Sums with the products of a register and four others."""
