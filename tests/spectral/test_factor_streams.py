@@ -62,16 +62,37 @@ def test_factors_that_are_let_go_leave_their_room_to_the_next(rng) -> None:
     matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 41.0)))
     rooms = Rooms()
     first = factorize(matrix, 0.5, rooms=rooms)
-    place, right = first._streams.up.ctypes.data, rng.standard_normal(40)
+    place, right = first._room.streams.up.ctypes.data, rng.standard_normal(40)
     second = factorize(matrix, 7.5, rooms=rooms)
     kept = second.solve(right)
-    assert second._streams.up.ctypes.data != place
+    assert second._room.streams.up.ctypes.data != place
     del first
     third = factorize(matrix, 9.5, rooms=rooms)
-    assert third._streams.up.ctypes.data == place
+    assert third._room.streams.up.ctypes.data == place
     assert (second.n_below, third.n_below) == (7, 9)
     np.testing.assert_array_equal(second.solve(right), kept)
     np.testing.assert_allclose(third.solve(right), right / (np.arange(1.0, 41.0) - 9.5))
+
+
+def test_factors_let_go_keep_their_count_and_solve_no_more(rng) -> None:
+    matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 41.0)))
+    rooms = Rooms()
+    factors = factorize(matrix, 0.5, rooms=rooms)
+    place = factors._room.streams.up.ctypes.data
+    factors.let_go()
+    assert (factors.shift, factors.n_below) == (0.5, 0)
+    assert factorize(matrix, 7.5, rooms=rooms)._room.streams.up.ctypes.data == place
+    with pytest.raises(SolverError, match="let go"):
+        factors.solve(rng.standard_normal(40))
+
+
+def test_room_of_another_plan_is_not_used() -> None:
+    rooms = Rooms()
+    small, large = (sparse.csc_array(sparse.diags_array(np.arange(1.0, n))) for n in (9.0, 99.0))
+    factorize(small, 0.5, rooms=rooms)
+    factors = factorize(large, 7.5, rooms=rooms)
+    assert factors.n_below == 7
+    assert len(rooms._free) == 1
 
 
 def test_a_shift_that_cannot_be_factored_gives_its_room_back() -> None:

@@ -278,7 +278,7 @@ def test_a_matrix_of_zeros_has_no_factors_at_zero() -> None:
 def test_the_memory_foretold_is_the_memory_of_the_factors() -> None:
     symbolic = analyze(symmetrized(SHAPES["sphere"]))
     factors = factorize(symmetrized(SHAPES["sphere"]), 0.1, symbolic=symbolic)
-    assert factors._streams.n_bytes < symbolic.n_bytes < 2 * factors._streams.n_bytes
+    assert factors._room.streams.n_bytes < symbolic.n_bytes < 2 * factors._room.streams.n_bytes
 
 
 @pytest.mark.parametrize("refined_above", [np.inf, 0.0])
@@ -312,5 +312,5 @@ def test_a_matrix_in_order_of_elimination_has_the_same_factors(name) -> None:
         factorize(matrix, 0.1, symbolic=symbolic),
         factorize(ordered, 0.1, symbolic=same),
     )
-    np.testing.assert_array_equal(reordered._streams.down, factors._streams.down)
-    np.testing.assert_array_equal(reordered._streams.up, factors._streams.up)
+    np.testing.assert_array_equal(reordered._room.streams.down, factors._room.streams.down)
+    np.testing.assert_array_equal(reordered._room.streams.up, factors._room.streams.up)

@@ -6,7 +6,9 @@ eight lines side by side, which fill a register or a line of the cache. What is 
 is therefore stored twice. What is read from end to end can be asked for a fixed way ahead.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
+from weakref import finalize
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled, compiled_inline
@@ -38,8 +40,15 @@ class FactorStreams(NamedTuple):
         return self.down.nbytes + self.up.nbytes
 
 
+@dataclass(frozen=True, eq=False)
+class Room:
+    """Streams that are used again when no one holds this any more."""
+
+    streams: FactorStreams
+
+
 class Rooms:
-    """Rooms for factors of one plan, used again by the next when the last are let go.
+    """Rooms for factors, used again by the next of their plan when the last are let go.
 
     A system sets new pages to zero, and a virtual machine may have to ask its host for them.
     """
@@ -47,16 +56,18 @@ class Rooms:
     def __init__(self) -> None:
         self._free: list[FactorStreams] = []
 
-    def take(self, plan: EliminationPlan) -> FactorStreams:
+    def take(self, plan: EliminationPlan) -> Room:
         """Room that is free, of whatever content, or else new."""
-        try:
-            return self._free.pop()
-        except IndexError:
-            return empty_streams(plan)
+        sizes = stream_sizes(plan)
+        for i, streams in enumerate(self._free):
+            if (streams.down.size, streams.up.size) == sizes:
+                return self._lent(self._free.pop(i))
+        return self._lent(empty_streams(plan))
 
-    def give_back(self, streams: FactorStreams) -> None:
-        """What is no longer in use."""
-        self._free.append(streams)
+    def _lent(self, streams: FactorStreams) -> Room:
+        room = Room(streams)
+        finalize(room, self._free.append, streams)
+        return room
 
 
 def empty_streams(plan: EliminationPlan) -> FactorStreams:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from auricle.compiled import compiled
 from auricle.errors import SolverError
 from auricle.spectral.bolsters import Bolstered
 from auricle.spectral.elimination import EliminationPlan, elimination_plan, plan_in_order
-from auricle.spectral.factor_streams import FactorStreams, Rooms
+from auricle.spectral.factor_streams import Room, Rooms
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
 from auricle.spectral.substitution import AT_ONCE, NARROW, WIDE, substitute
@@ -138,7 +137,7 @@ class ShiftedFactorization:
     backward_error: float = field(init=False)
     _matrix: sparse.csc_array
     _plan: EliminationPlan
-    _streams: FactorStreams
+    _room: Room | None
     _bolstered: Bolstered
 
     def __post_init__(self) -> None:
@@ -179,6 +178,10 @@ class ShiftedFactorization:
         """Set `solution` to what `solve` gives; both of shape (n, 4 or 8), contiguous."""
         self._solve(right, solution, refine=self._is_rough)
 
+    def let_go(self) -> None:
+        """Leave the factors' room to the next: shift and count stay, solves are over."""
+        object.__setattr__(self, "_room", None)
+
     @cached_property
     def _is_in_order(self) -> bool:
         return np.array_equal(self._plan.order, np.arange(self.size))
@@ -204,7 +207,9 @@ class ShiftedFactorization:
             solution[self._plan.order] = columns
 
     def _substitute_in_order(self, columns: Floats) -> None:
-        substitute(self._plan, self._streams, columns)
+        if self._room is None:
+            raise SolverError(f"the factors at shift {self.shift:.6g} were let go: factor again")
+        substitute(self._plan, self._room.streams, columns)
         self._bolstered.take_out_of(columns)
 
     def _residual(self, right: Floats, solution: Floats) -> Floats:
@@ -236,7 +241,7 @@ def factorize(
     symbolic
         The analysis of a matrix of the same pattern; made here where there is none at hand.
     rooms
-        Where the factors are put, and which have their room back when these are let go.
+        Where the factors are put, and which have their room back when no one holds these.
 
     Raises
     ------
@@ -279,21 +284,18 @@ def _factored(
 
     `values` are the matrix's, the shift, and magnitudes of columns.
     """
-    streams, bolstered = rooms.take(plan), None
+    room, bolstered = rooms.take(plan), None
     for growth in _GROWTHS:
-        eliminated = eliminate(plan, *values, streams, growth=growth)
+        eliminated = eliminate(plan, *values, room.streams, growth=growth)
         if eliminated is None or np.count_nonzero(eliminated[1]) <= _MOST_BOLSTERS:
             break
     if eliminated is not None:
         n_negative, bolsters = eliminated
-        bolstered = Bolstered.of(bolsters, partial(substitute, plan, streams))
+        bolstered = Bolstered.of(bolsters, partial(substitute, plan, room.streams))
     if bolstered is None:
-        rooms.give_back(streams)
         return None
     n_below = n_negative + bolstered.n_negative
-    factors = ShiftedFactorization(values[1], n_below, matrix, plan, streams, bolstered)
-    finalize(factors, rooms.give_back, streams)
-    return factors
+    return ShiftedFactorization(values[1], n_below, matrix, plan, room, bolstered)
 
 
 @compiled

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from auricle.arrays import Floats, Truths
-from auricle.compiled import compiled
+from auricle.arrays import Floats
+from auricle.compiled import compiled, compiled_inline
 from auricle.spectral.elimination import EliminationPlan
 from auricle.spectral.factor_streams import (
     FactorStreams,
@@ -205,8 +205,9 @@ def _invert(
 ) -> int:
     """Invert the square on top of a panel, given by its lower triangle, into that of `factor`.
 
-    By symmetric sweeps on the largest diagonal entry left, or, where that is small beside an
-    entry next to it, on the two together. A pivot that is none is bolstered: `pivots` are
+    By symmetric sweeps on the next diagonal entry that no other in its row exceeds. Where it does
+    not stand out like that the largest diagonal entry left is taken, or, where that is small beside
+    an entry next to it, the two together. A pivot that is none is bolstered: `pivots` are
     magnitudes and bolsters of the columns, and what is under them. Returns the number of negative
     pivots, which is that of negative eigenvalues; -1 if one is none and nothing is under them.
     Rows are worked on in `room`, filled up to whole registers.
@@ -215,18 +216,15 @@ def _invert(
     size = len(magnitudes)
     stride = size + -size % _LANES
     square = room[: size * stride].reshape((size, stride))
-    columns = room[size * stride : (size + 4) * stride].reshape((4, stride))
+    columns = room[size * stride : (size + 5) * stride].reshape((5, stride))
     columns[:] = 0.0
     _fill_square(panel, square)
-    left = np.ones(size, np.bool_)
+    left = columns[4]
+    left[:size] = 1.0
     n_left, n_negative = size, 0
     while n_left > 0:
-        for i in range(size):
-            columns[2, i] = square[i, i]
-        k = _largest(columns[2], left)
-        left[k] = False
-        pair = _largest(square[k], left)
-        beside = abs(square[k, pair]) if left[pair] else 0.0
+        k, pair = _next_pivot(square, magnitudes, left, columns[2])
+        beside = abs(square[k, pair]) if k != pair else 0.0
         if not max(abs(square[k, k]), beside) > _TINY * magnitudes[k]:
             bolster = _BOLSTER * _largest_entry(under)[0]
             if bolster == 0:
@@ -237,9 +235,10 @@ def _invert(
         if abs(square[k, k]) >= _DOMINANCE * beside:
             n_negative += square[k, k] < 0
             n_left -= 1
+            left[k] = 0.0
             _sweep(square, k, columns)
         else:
-            left[pair] = False
+            left[k] = left[pair] = 0.0
             n_negative += 1
             n_left -= 2
             _sweep_pair(square, k, pair, columns)
@@ -247,6 +246,33 @@ def _invert(
         for j in range(size):
             factor[i * size + j] = -square[i, j]
     return n_negative
+
+
+@compiled_inline
+def _next_pivot(
+    square: Floats, magnitudes: Floats, left: Floats, diagonal: Floats
+) -> tuple[int, int]:
+    """The row to pivot on among those left, which are 1, and its largest neighbour among them.
+
+    The first that no neighbour exceeds, named twice, or else the one of largest diagonal entry.
+    `diagonal` is room for these.
+    """
+    k = 0
+    while left[k] == 0.0:
+        k += 1
+    size = abs(square[k, k])
+    left[k] = 0.0
+    stands_out = size > _TINY * magnitudes[k] and not _any_exceeds(square[k], left, size)
+    left[k] = 1.0
+    if stands_out:
+        return k, k
+    for i in range(len(square)):
+        diagonal[i] = square[i, i]
+    k = _largest(diagonal, left, 0)
+    left[k] = 0.0
+    pair = _largest(square[k], left, k)
+    left[k] = 1.0
+    return k, pair
 
 
 @compiled
@@ -259,17 +285,26 @@ def _fill_square(panel: Floats, square: Floats) -> None:
             square[i, j] = square[j, i] = panel[i * size + j]
 
 
-@compiled
-def _largest(numbers: Floats, candidates: Truths) -> int:
-    """Index of the candidate of largest magnitude; 0 where there is none."""
-    found, largest = 0, -1.0
+@compiled_inline
+def _any_exceeds(numbers: Floats, candidates: Floats, limit: float) -> bool:
+    """Whether the magnitude of any candidate is larger; candidates are 1, others 0."""
+    count = 0
     for i in range(len(candidates)):
-        if candidates[i] and abs(numbers[i]) > largest:
+        count += abs(numbers[i] * candidates[i]) > limit
+    return count > 0
+
+
+@compiled_inline
+def _largest(numbers: Floats, candidates: Floats, found: int) -> int:
+    """Index of the candidate of largest magnitude; `found` where there is none."""
+    largest = -1.0
+    for i in range(len(candidates)):
+        if candidates[i] > 0 and abs(numbers[i]) > largest:
             found, largest = i, abs(numbers[i])
     return found
 
 
-@compiled
+@compiled_inline
 def _sweep(square: Floats, k: int, columns: Floats) -> None:
     """Exchange variable k of a symmetric system with its right-hand side."""
     size, stride = square.shape
@@ -343,9 +378,9 @@ def _largest_panel(plan: EliminationPlan) -> int:
 
 @compiled
 def _room(plan: EliminationPlan) -> int:
-    """Numbers that the widest supernode's square takes, its rows filled up, with four rows more."""
+    """Numbers that the widest supernode's square takes, its rows filled up, with five rows more."""
     widest = 0
     for s in range(len(plan.parent)):
         widest = max(widest, plan.first_column[s + 1] - plan.first_column[s])
     stride = widest + -widest % _LANES
-    return (widest + 4) * stride
+    return (widest + 5) * stride

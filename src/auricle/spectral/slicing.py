@@ -210,7 +210,10 @@ def _climb(
             fill = partial(run.fill_vectors, first, workers=workers)
             ladder.replace_above(kept, run.values[first:end], fill)
         ladder.certify(factors)
-        # Not before its room is free.
+        if i < len(jobs) - 1:
+            # Neighbours ask for its count only, and the next factors have its room.
+            factors.let_go()
+        # Not before its basis is free.
         begun.extend(workers.submit(job) for job in jobs[len(begun) : i + 1 + len(bases)])
     if ceiling is not None:
         _search(ceiling, ladder, rng=rng, workers=workers)
