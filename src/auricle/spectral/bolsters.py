@@ -72,26 +72,34 @@ class Bolstered:
             return None
         inverse = roots[:, None] * (vectors / eigenvalues) @ vectors.T * roots
         n_negative = int((eigenvalues < 0).sum()) - int((bolsters < 0).sum())
-        return cls(places, _in_tiles(influences), inverse, n_negative)
+        return cls(places, _in_tiles(influences), np.ascontiguousarray(inverse), n_negative)
 
     def take_out_of(self, solutions: Floats) -> None:
         """Turn solutions with the factored matrix into the matrix's, shape (n, 4, 8 or 16)."""
         if len(self.places):
-            factors = self.inverse @ solutions[self.places]
-            if solutions.shape[1] == 4:
-                _add_four(self.influences, factors, solutions)
-            else:
-                _add_eight(self.influences, factors, solutions)
+            add = _add_four if solutions.shape[1] == 4 else _add_eight
+            add(self.places, self.influences, self.inverse, solutions)
 
 
 @compiled
-def _add_four(influences: Floats, factors: Floats, solutions: Floats) -> None:
-    _add(influences, factors, solutions, four(0.0))
+def _add_four(places: Integers, influences: Floats, inverse: Floats, solutions: Floats) -> None:
+    _add(influences, _multiples(places, inverse, solutions), solutions, four(0.0))
 
 
 @compiled
-def _add_eight(influences: Floats, factors: Floats, solutions: Floats) -> None:
-    _add(influences, factors, solutions, eight(0.0))
+def _add_eight(places: Integers, influences: Floats, inverse: Floats, solutions: Floats) -> None:
+    _add(influences, _multiples(places, inverse, solutions), solutions, eight(0.0))
+
+
+@compiled
+def _multiples(places: Integers, inverse: Floats, solutions: Floats) -> Floats:
+    """C⁻¹·Eᵀy, shape (r, b): what the influences are multiplied by."""
+    multiples = np.zeros((len(places), solutions.shape[1]))
+    for i in range(len(places)):
+        for k in range(len(places)):
+            for j in range(solutions.shape[1]):
+                multiples[i, j] += inverse[i, k] * solutions[places[k], j]
+    return multiples
 
 
 @compiled

@@ -1,5 +1,6 @@
 """Block Lanczos iteration on a shifted inverse: the eigenpairs nearest to one shift."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self
@@ -197,15 +198,15 @@ class LanczosRun:
         if self._n_known:
             rest, left = orthogonalize(self._basis[:end], image)
             return inside[-block:] + rest[-block:], left
-        self._scale = max(self._scale, float(np.sqrt(np.vdot(inside, inside))))
-        sizes = np.sqrt(left.diagonal())
+        self._scale = max(self._scale, math.sqrt(np.vdot(inside, inside)))
+        squares = left.diagonal()
         before, last = self._lost
-        lost = last * self._scale / float(sizes.min()) + before
+        lost = last * self._scale / math.sqrt(squares.min()) + before
         self._lost = (last, lost)
         if lost > _MOST_LEFT:
             rest, left = orthogonalize(self._basis[:end], image)
             # What was found tells how much rounding leaves in this run.
-            excess = float((np.abs(rest).max(axis=0) / sizes).max()) / lost
+            excess = math.sqrt(((rest**2).max(axis=0) / squares).max()) / lost
             self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LEFT)
             self._lost = (last, self._least)
         return inside[-block:], left

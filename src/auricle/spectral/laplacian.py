@@ -69,12 +69,12 @@ def laplacian(mesh: Mesh) -> Laplacian:
 
 def cotangent_laplacian(mesh: Mesh) -> Laplacian:
     """Linear finite elements with lumped areas: each vertex owns a third of its triangles."""
-    corners = mesh.vertices[mesh.faces]
-    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, 1, axis=1)
+    a, b, c = mesh.vertices[mesh.faces.T]
+    sides = (b - c, c - a, a - b)
     # The cotangent at a corner is the dot product of its two edges over twice the area.
-    dots = -np.einsum("fci,fci->fc", np.roll(opposite, -1, axis=1), np.roll(opposite, 1, axis=1))
-    weights = 0.25 * dots / mesh.face_areas[:, None]
-    start, end = np.roll(mesh.faces, -1, axis=1).ravel(), np.roll(mesh.faces, 1, axis=1).ravel()
+    dots = [-np.einsum("fi,fi->f", sides[k - 2], sides[k - 1]) for k in range(3)]
+    weights = 0.25 * np.stack(dots, axis=1) / mesh.face_areas[:, None]
+    start, end = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
     return _assembled(start, end, weights.ravel(), vertex_areas(mesh), "cotangent")
 
 

@@ -179,8 +179,8 @@ def triangle_quality(mesh: Mesh) -> PerFace:
     >>> round(float(triangle_quality(flat)[0]), 12)
     1.0
     """
-    corners = mesh.vertices[mesh.faces]
-    squares = ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=(1, 2))
+    a, b, c = mesh.vertices[mesh.faces.T]
+    squares = sum(np.einsum("fi,fi->f", side, side) for side in (a - b, b - c, c - a))
     quality: PerFace = np.zeros(mesh.n_faces)
     np.divide(4 * np.sqrt(3) * mesh.face_areas, squares, out=quality, where=squares > 0)
     return quality
