@@ -5,7 +5,7 @@ import pytest
 
 from auricle.spectral import ritz_vectors
 from auricle.spectral.narrow_products import aligned_groups
-from auricle.spectral.ritz_vectors import fill_combinations
+from auricle.spectral.ritz_vectors import Combinations, fill_combinations
 
 
 def orthonormal_groups(rng, count: int, n: int, lanes: int):
@@ -32,7 +32,7 @@ def test_combinations_are_those_of_a_full_product(rng, lanes, n_combinations, fa
     weights = falling_weights(rng, n_combinations, 6 * lanes, fall)
     room = np.full((301, n_combinations + 3), 7.0)
     for half in (slice(0, 150), slice(150, 301)):
-        fill_combinations(groups, weights, room[:, 2:-1], half)
+        fill_combinations(groups, Combinations.of(weights), room[:, 2:-1], half)
     np.testing.assert_allclose(room[:, 2:-1], columns @ weights.T, atol=1e-15)
     assert (room[:, [0, 1, -1]] == 7.0).all()
 
@@ -41,11 +41,14 @@ def test_what_is_left_out_is_negligible_and_saves_work(rng, monkeypatch) -> None
     """With a looser rule the same test would see the difference."""
     groups, columns = orthonormal_groups(rng, 12, 200, 8)
     weights = falling_weights(rng, 16, 96, 1.0)
-    side_by_side = weights.reshape(2, 8, 96).swapaxes(1, 2)
-    assert (ritz_vectors._needed(side_by_side) < 90).all()
+    combinations = Combinations.of(weights)
+    np.testing.assert_array_equal(
+        combinations.side_by_side, weights.reshape(2, 8, 96).swapaxes(1, 2)
+    )
+    assert (combinations.needed < 90).all()
     found = np.empty((200, 16))
-    fill_combinations(groups, weights, found, slice(0, 200))
+    fill_combinations(groups, combinations, found, slice(0, 200))
     assert np.abs(found - columns @ weights.T).max() < 1e-15
     monkeypatch.setattr(ritz_vectors, "_NOTHING", 1e-10)
-    fill_combinations(groups, weights, found, slice(0, 200))
+    fill_combinations(groups, Combinations.of(weights), found, slice(0, 200))
     assert np.abs(found - columns @ weights.T).max() > 1e-13

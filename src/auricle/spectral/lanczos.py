@@ -11,8 +11,8 @@ from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
 from auricle.spectral.gram_schmidt import orthogonalize, orthonormalize
 from auricle.spectral.narrow_products import aligned_groups
-from auricle.spectral.ritz_vectors import fill_combinations
-from auricle.spectral.workers import Workers
+from auricle.spectral.ritz_vectors import Combinations, fill_combinations
+from auricle.spectral.workers import Workers, slices
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
@@ -23,6 +23,9 @@ _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
+
+_PARTS = 8
+"""Into which the entries of what is found are cut: who is done with a run takes part at once."""
 
 
 @dataclass(frozen=True)
@@ -152,16 +155,16 @@ class LanczosRun:
         return found
 
     def fill_vectors(self, first: int, columns: Floats, *, workers: Workers) -> None:
-        """Set columns to the first of what `vectors` returns, in halves made side by side."""
+        """Set columns to the first of what `vectors` returns, in parts made side by side."""
         n_groups = len(self._weights) // self._effort.lanes
         own = self._basis[self._n_known : self._n_known + n_groups]
-        weights = np.ascontiguousarray(self._weights[:, first : first + columns.shape[1]].T)
-        n = self.factors.size
+        weights = self._weights[:, first : first + columns.shape[1]]
+        combinations = Combinations.of(np.ascontiguousarray(weights.T))
 
-        def fill(half: slice) -> None:
-            fill_combinations(own, weights, columns, half)
+        def fill(some: slice) -> None:
+            fill_combinations(own, combinations, columns, some)
 
-        workers.each(fill, [slice(0, n // 2), slice(n // 2, n)])
+        workers.each(fill, slices(len(columns), -(-len(columns) // _PARTS)))
 
     def _extend(self, n_steps: int) -> None:
         """Lengthen the basis to `n_steps` blocks and the one that follows them."""

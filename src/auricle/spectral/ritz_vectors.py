@@ -1,5 +1,7 @@
 """Ritz vectors from a basis: of many long vectors a few combinations."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,18 +17,46 @@ _NOTHING = 1e-16
 """Of a combination of length one, length of its end that is left out."""
 
 
-def fill_combinations(groups: Groups, weights: Floats, columns: Floats, some: slice) -> None:
-    """Set some entries of `columns` to those of weighted sums of vectors.
+class Combinations(NamedTuple):
+    """What many long vectors are combined to, in the order in which that is computed.
 
-    A Ritz vector near the shift has converged long before the last of its basis was made, and has
-    next to no part in that: what ends a sum with no more than 1e-16 of its length is left out.
+    Attributes
+    ----------
+    side_by_side
+        Weights of eight combinations at a time, shape (ceil(c / 8), m, 8).
+    needed
+        Of each eight, how many vectors any of them has a part in.
+    """
+
+    side_by_side: Floats
+    needed: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, weights: Floats) -> "Combinations":
+        """From weights of vectors, shape (c, m); each row of length one.
+
+        A Ritz vector near the shift has converged long before the last of its basis was made, and
+        has next to no part in that: what ends a sum with no more than 1e-16 of its length is left
+        out.
+        """
+        side_by_side = np.zeros((-(-len(weights) // _AT_ONCE), weights.shape[1], _AT_ONCE))
+        for i, eights in enumerate(side_by_side):
+            combined = weights[i * _AT_ONCE : (i + 1) * _AT_ONCE]
+            set_side_by_side(combined, eights.reshape(-1), _AT_ONCE)
+        return cls(side_by_side, _needed(side_by_side))
+
+
+def fill_combinations(
+    groups: Groups, combinations: Combinations, columns: Floats, some: slice
+) -> None:
+    """Set some entries of `columns` to those of weighted sums of vectors.
 
     Parameters
     ----------
     groups
         Orthonormal vectors, shape (g, n, lanes).
-    weights
-        Of these, shape (c, g·lanes); each row of length one.
+    combinations
+        Of these.
     columns
         One sum a column, shape (n, c).
     some
@@ -36,21 +66,16 @@ def fill_combinations(groups: Groups, weights: Floats, columns: Floats, some: sl
     --------
     >>> basis, columns = np.zeros((1, 3, 4)), np.zeros((3, 1))
     >>> basis[0, :3, :3] = np.eye(3)
-    >>> fill_combinations(basis, np.array([[0.6, 0.8, 0.0, 0.0]]), columns, slice(1, 3))
+    >>> sums = Combinations.of(np.array([[0.6, 0.8, 0.0, 0.0]]))
+    >>> fill_combinations(basis, sums, columns, slice(1, 3))
     >>> columns.tolist()
     [[0.0], [0.8], [0.0]]
     """
-    n_vectors = weights.shape[1]
-    side_by_side = np.zeros((-(-len(weights) // _AT_ONCE), n_vectors, _AT_ONCE))
-    for i, eights in enumerate(side_by_side):
-        combined = weights[i * _AT_ONCE : (i + 1) * _AT_ONCE]
-        set_side_by_side(combined, eights.reshape(-1), _AT_ONCE)
-    needed = _needed(side_by_side)
-    entries = np.zeros((_STRIP, n_vectors))
+    entries = np.zeros((_STRIP, combinations.side_by_side.shape[1]))
     for begin in range(some.start, some.stop, _STRIP):
         strip = columns[begin : min(begin + _STRIP, some.stop)]
         copy_entries(groups, begin, entries[: len(strip)])
-        _fill_strip(entries, side_by_side, needed, strip)
+        _fill_strip(entries, *combinations, strip)
 
 
 def _needed(side_by_side: Floats) -> NDArray[np.int64]:
