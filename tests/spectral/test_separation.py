@@ -40,6 +40,17 @@ def test_no_inner_product_exceeds_what_is_told(rng, size, loud) -> None:
         assert np.median(bounds[np.isfinite(bounds)]) < 1e3 * size + 1e-10
 
 
+@pytest.mark.parametrize("wrong", [0, 1])
+def test_either_of_two_may_be_the_one_that_is_wrong(wrong) -> None:
+    matrix = sparse.csc_array(sparse.diags_array([1.0, 3.0, 7.0, 9.0]))
+    rows = np.eye(4)[:2]
+    rows[wrong] += 1e-6 * rows[1 - wrong]
+    bound = Measure.of(matrix, 3.0, WORKERS)(rows, np.array([1.0, 3.0])).bounds(
+        np.array([[0], [1]])
+    )
+    assert 1e-6 * (1 - 1e-9) < bound[1, 0] < 2e-6
+
+
 def test_what_rounding_makes_loud_where_the_matrix_is_large_keeps_no_vectors_apart(rng) -> None:
     diagonal = np.where(np.arange(200) % 50, rng.uniform(1.0, 2.0, 200), 1e10)
     matrix = symmetric(rng, diagonal)

@@ -109,10 +109,8 @@ def _exchange(
     zero, roots, n_whole = eight(0.0), eight(root), len(held) // _LANES * _LANES
     for j in range(0, n_whole, _LANES):
         prefetch(modes, ahead + j)
-        found, scaled = (
-            load(zero, modes, place + j),
-            added_product(zero, load(zero, held, j), roots),
-        )
+        found = load(zero, modes, place + j)
+        scaled = added_product(zero, load(zero, held, j), roots)
         store(added_product(zero, scaled, load(zero, signs, j)), modes, place + j)
         store(found, held, j)
     numbers = modes.reshape(-1)
