@@ -235,10 +235,9 @@ def _invert(
         if abs(square[k, k]) >= _DOMINANCE * beside:
             n_negative += square[k, k] < 0
             n_left -= 1
-            left[k] = 0.0
             _sweep(square, k, columns)
         else:
-            left[k] = left[pair] = 0.0
+            left[pair] = 0.0
             n_negative += 1
             n_left -= 2
             _sweep_pair(square, k, pair, columns)
@@ -252,27 +251,24 @@ def _invert(
 def _next_pivot(
     square: Floats, magnitudes: Floats, left: Floats, diagonal: Floats
 ) -> tuple[int, int]:
-    """The row to pivot on among those left, which are 1, and its largest neighbour among them.
+    """The row to pivot on, taken off those left, which are 1; and its largest neighbour among them.
 
     The first that no neighbour exceeds, named twice, or else the one of largest diagonal entry.
     `diagonal` is room for these.
     """
-    k = 0
-    while left[k] == 0.0:
-        k += 1
-    size = abs(square[k, k])
-    left[k] = 0.0
-    stands_out = size > _TINY * magnitudes[k] and not _any_exceeds(square[k], left, size)
-    left[k] = 1.0
-    if stands_out:
-        return k, k
+    first = 0
+    while left[first] == 0.0:
+        first += 1
+    size = abs(square[first, first])
+    left[first] = 0.0
+    if size > _TINY * magnitudes[first] and not _any_exceeds(square[first], left, size):
+        return first, first
+    left[first] = 1.0
     for i in range(len(square)):
         diagonal[i] = square[i, i]
-    k = _largest(diagonal, left, 0)
+    k = _largest(diagonal, left, first)
     left[k] = 0.0
-    pair = _largest(square[k], left, k)
-    left[k] = 1.0
-    return k, pair
+    return k, _largest(square[k], left, k)
 
 
 @compiled
