@@ -38,23 +38,14 @@ def test_what_stays_in_the_basis_is_orthogonal(rng, monkeypatch, most_left, kept
     """Blocks that nothing is taken out of any more: by the rule, and not by a looser one."""
     allowed = lanczos._MOST_LEFT
     monkeypatch.setattr(lanczos, "_MOST_LEFT", most_left)
-    rows = run_near(700.5, rng)._basis[:60].swapaxes(1, 2).reshape(240, 2000)
+    rows = run_near(700.5, rng)._recurrence.basis[:60].swapaxes(1, 2).reshape(240, 2000)
     departure = np.abs(rows @ rows.T - np.eye(len(rows))).max()
     assert (departure < allowed) == kept
 
 
-def test_the_whole_basis_is_looked_at_only_when_rounding_asks_for_it(rng, monkeypatch) -> None:
-    sizes = []
-
-    def counted(basis, block):
-        sizes.append(len(basis))
-        return lanczos_orthogonalize(basis, block)
-
-    lanczos_orthogonalize = lanczos.orthogonalize
-    monkeypatch.setattr(lanczos, "orthogonalize", counted)
-    run_near(700.5, rng)
-    n_whole = sum(size > 8 for size in sizes)
-    assert 15 < n_whole < 50  # of sixty blocks; one that looks at none finds eigenvalues twice
+def test_the_whole_basis_is_looked_at_only_when_rounding_asks_for_it(rng) -> None:
+    # Of sixty blocks; one that looks at none finds eigenvalues twice.
+    assert 15 < run_near(700.5, rng)._lost.n_looks < 50
 
 
 def test_never_looking_at_the_whole_basis_finds_eigenvalues_twice(rng, monkeypatch) -> None:

@@ -73,7 +73,7 @@ def test_vectors_are_combined(rng, n, lanes, n_block) -> None:
 @pytest.mark.parametrize("lanes", [4, 8])
 def test_entries_are_copied_from_a_place_on(rng, lanes) -> None:
     groups, entries = grouped(rng, 3, 50, lanes), np.empty((20, 3 * lanes))
-    copy_entries(groups, 25, entries)
+    with_lanes(copy_entries, lanes)(groups, 25, entries)
     np.testing.assert_array_equal(entries, rows_of(groups)[:, 25:45].T)
 
 

@@ -1,13 +1,13 @@
 """Solves with a matrix from the factors of another that differs in a few diagonal entries."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from auricle.arrays import Floats, Integers
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added, eight, four, load, store, width
+from auricle.spectral.lanes import Lanes, added, load, store, width
 from auricle.spectral.side_by_side import set_side_by_side
 from auricle.spectral.tile_sums import TILE, lines_at_once, sum_lines
 
@@ -17,8 +17,7 @@ _SINGULAR = 1e-10
 """Eigenvalue of what is inverted, in units of the inverse bolsters, that counts as none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Bolstered:
+class Bolstered(NamedTuple):
     """What takes the bolsters of a few pivots out again (Sherman, Morrison & Woodbury).
 
     With B the factored matrix, E the unit vectors of the bolstered rows and D their bolsters, the
@@ -49,7 +48,12 @@ class Bolstered:
     n_negative: int
 
     @classmethod
-    def of(cls, bolsters: Floats, solve: Callable[[Floats], None]) -> "Bolstered | None":
+    def none(cls) -> Self:
+        """Of factors that have none."""
+        return cls(np.empty(0, np.int64), np.empty(0), np.empty((0, 0)), 0)
+
+    @classmethod
+    def of(cls, bolsters: Floats, solve: Callable[[Floats], None]) -> Self | None:
         """From what was added to the diagonal, shape (n,), and solves with the factors.
 
         `solve` turns right-hand sides, shape (n, 4), into solutions in place. None where the matrix
@@ -74,21 +78,16 @@ class Bolstered:
         n_negative = int((eigenvalues < 0).sum()) - int((bolsters < 0).sum())
         return cls(places, _in_tiles(influences), np.ascontiguousarray(inverse), n_negative)
 
-    def take_out_of(self, solutions: Floats) -> None:
-        """Turn solutions with the factored matrix into the matrix's, shape (n, 4, 8 or 16)."""
-        if len(self.places):
-            add = _add_four if solutions.shape[1] == 4 else _add_eight
-            add(self.places, self.influences, self.inverse, solutions)
-
 
 @compiled
-def _add_four(places: Integers, influences: Floats, inverse: Floats, solutions: Floats) -> None:
-    _add(influences, _multiples(places, inverse, solutions), solutions, four(0.0))
+def take_out_bolsters(bolstered: Bolstered, solutions: Floats, zero: Lanes) -> None:
+    """Turn solutions with the factored matrix into the matrix's, shape (n, 4, 8 or 16), in place.
 
-
-@compiled
-def _add_eight(places: Integers, influences: Floats, inverse: Floats, solutions: Floats) -> None:
-    _add(influences, _multiples(places, inverse, solutions), solutions, eight(0.0))
+    `zero` has as many lanes as there are solutions, or half as many.
+    """
+    if len(bolstered.places) > 0:
+        multiples = _multiples(bolstered.places, bolstered.inverse, solutions)
+        _add(bolstered.influences, multiples, solutions, zero)
 
 
 @compiled

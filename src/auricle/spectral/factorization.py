@@ -15,9 +15,12 @@ from auricle.spectral.elimination import EliminationPlan, elimination_plan, plan
 from auricle.spectral.factor_streams import Room, Rooms
 from auricle.spectral.ldl import eliminate, working_size
 from auricle.spectral.ordering import nested_dissection
-from auricle.spectral.substitution import AT_ONCE, NARROW, WIDE, substitute
+from auricle.spectral.row_products import Entries
+from auricle.spectral.solves import Solver, solve
 from auricle.spectral.workers import Workers
 
+_NARROW, _WIDE, _AT_ONCE = 4, 8, 16
+"""Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
 _GROWTHS, _MOST_BOLSTERS = (50.0, 1e3, 1e5, np.inf), 64
 """Largest entries that L may have: the first for which not more pivots are bolstered than is cheap
 to correct for."""
@@ -28,6 +31,8 @@ _LARGEST_BACKWARD_ERROR = 1e-7
 """Of a trial solve; above it the shift is moved. One refinement takes this to rounding."""
 _REFINED_ABOVE = 1e-11
 """Backward error above which solves are refined unasked: eigenpairs need 1e-9."""
+_IN_ORDER = np.empty(0, np.int64)
+"""What a solver is told where the matrix's rows lie in the order of elimination."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +140,7 @@ class ShiftedFactorization:
     shift: float
     n_below: int
     backward_error: float = field(init=False)
-    _matrix: sparse.csc_array
+    _entries: Entries
     _plan: EliminationPlan
     _room: Room | None
     _bolstered: Bolstered
@@ -143,12 +148,8 @@ class ShiftedFactorization:
     def __post_init__(self) -> None:
         right = np.random.default_rng(0).standard_normal(self.size)
         solution = self.solve(right, refine=False)
-        sizes = _products_of_magnitudes(
-            self._matrix.indptr, self._matrix.indices, self._matrix.data, solution
-        )
-        sizes += abs(self.shift) * np.abs(solution)
-        errors = np.abs(self._residual(right, solution)) / (sizes + np.abs(right))
-        object.__setattr__(self, "backward_error", float(errors.max()))
+        error = _backward_error(self._entries, self.shift, right, solution)
+        object.__setattr__(self, "backward_error", error)
 
     @property
     def size(self) -> int:
@@ -163,20 +164,32 @@ class ShiftedFactorization:
         """
         columns = right.reshape(self.size, -1)
         solution = np.empty_like(columns, dtype=np.float64)
-        for first in range(0, columns.shape[1], AT_ONCE):
-            some = columns[:, first : first + AT_ONCE]
+        for first in range(0, columns.shape[1], _AT_ONCE):
+            some = columns[:, first : first + _AT_ONCE]
             n_right = some.shape[1]
-            n_solved = NARROW if n_right <= NARROW else -(-n_right // WIDE) * WIDE
+            n_solved = _NARROW if n_right <= _NARROW else -(-n_right // _WIDE) * _WIDE
             padded = np.zeros((self.size, n_solved))
             padded[:, :n_right] = some
             solved = np.empty_like(padded)
-            self._solve(padded, solved, refine=self._is_rough if refine is None else refine)
-            solution[:, first : first + AT_ONCE] = solved[:, :n_right]
+            solve(self.solver(refined=refine), padded, solved, (0.0,) * min(n_solved, _WIDE))
+            solution[:, first : first + _AT_ONCE] = solved[:, :n_right]
         return solution.reshape(right.shape)
 
-    def solve_group(self, right: Floats, solution: Floats) -> None:
-        """Set `solution` to what `solve` gives; both of shape (n, 4 or 8), contiguous."""
-        self._solve(right, solution, refine=self._is_rough)
+    def solver(self, *, refined: bool | None = None) -> Solver:
+        """For solves of groups of 4 or 8 in compiled code, while these factors are held.
+
+        Raises
+        ------
+        SolverError
+            If the factors were let go.
+        """
+        if self._room is None:
+            raise SolverError(f"the factors at shift {self.shift:.6g} were let go: factor again")
+        if refined is None:
+            refined = self.backward_error > _REFINED_ABOVE
+        order = _IN_ORDER if self._is_in_order else self._plan.order
+        streams, bolstered = self._room.streams, self._bolstered
+        return Solver(self._plan, streams, bolstered, order, self._entries, self.shift, refined)
 
     def let_go(self) -> None:
         """Leave the factors' room to the next: shift and count stay, solves are over."""
@@ -185,36 +198,6 @@ class ShiftedFactorization:
     @cached_property
     def _is_in_order(self) -> bool:
         return np.array_equal(self._plan.order, np.arange(self.size))
-
-    @property
-    def _is_rough(self) -> bool:
-        return self.backward_error > _REFINED_ABOVE
-
-    def _solve(self, right: Floats, solution: Floats, *, refine: bool) -> None:
-        self._substitute(right, solution)
-        if refine:
-            change = np.empty_like(solution)
-            self._substitute(self._residual(right, solution), change)
-            solution += change
-
-    def _substitute(self, right: Floats, solution: Floats) -> None:
-        if self._is_in_order:
-            solution[:] = right
-            self._substitute_in_order(solution)
-        else:
-            columns = right[self._plan.order]
-            self._substitute_in_order(columns)
-            solution[self._plan.order] = columns
-
-    def _substitute_in_order(self, columns: Floats) -> None:
-        if self._room is None:
-            raise SolverError(f"the factors at shift {self.shift:.6g} were let go: factor again")
-        substitute(self._plan, self._room.streams, columns)
-        self._bolstered.take_out_of(columns)
-
-    def _residual(self, right: Floats, solution: Floats) -> Floats:
-        residual: Floats = right - self._matrix @ solution + self.shift * solution
-        return residual
 
 
 def factorize(
@@ -261,13 +244,15 @@ def factorize(
     symbolic = symbolic or analyze(matrix)
     if not symbolic.fits(matrix):
         raise SolverError("the matrix has another pattern than its analysis: analyze it anew")
+    # Numbers of another kind, or that cannot be written, would be compiled for anew.
     data = np.require(matrix.data, np.float64, ["C", "W"])
-    magnitudes = _largest_magnitudes(matrix.indptr, matrix.data)
+    entries = (matrix.indptr, matrix.indices, data)
+    magnitudes = _largest_magnitudes(matrix.indptr, data)
     scale = float(magnitudes.max())
     magnitudes = magnitudes[symbolic.plan.order]
     moved = float(shift)
     for attempt in range(_ATTEMPTS):
-        factors = _factored(matrix, (data, moved, magnitudes), symbolic.plan, rooms or Rooms())
+        factors = _factored(entries, (moved, magnitudes), symbolic.plan, rooms or Rooms())
         if factors is not None and factors.backward_error <= _LARGEST_BACKWARD_ERROR:
             return factors
         moved = shift + max(_MOVE * abs(shift), _LEAST_MOVE * scale) * 2**attempt
@@ -275,27 +260,30 @@ def factorize(
 
 
 def _factored(
-    matrix: sparse.csc_array,
-    values: tuple[Floats, float, Floats],
-    plan: EliminationPlan,
-    rooms: Rooms,
+    entries: Entries, scales: tuple[float, Floats], plan: EliminationPlan, rooms: Rooms
 ) -> ShiftedFactorization | None:
     """Factors at exactly this shift; None where the matrix is singular there to rounding.
 
-    `values` are the matrix's, the shift, and magnitudes of columns.
+    `scales` are the shift, and magnitudes of columns.
     """
+    shift, magnitudes = scales
     room, bolstered = rooms.take(plan), None
     for growth in _GROWTHS:
-        eliminated = eliminate(plan, *values, room.streams, growth=growth)
+        eliminated = eliminate(plan, entries[2], shift, magnitudes, room.streams, growth=growth)
         if eliminated is None or np.count_nonzero(eliminated[1]) <= _MOST_BOLSTERS:
             break
     if eliminated is not None:
         n_negative, bolsters = eliminated
-        bolstered = Bolstered.of(bolsters, partial(substitute, plan, room.streams))
+        bare = Solver(plan, room.streams, Bolstered.none(), _IN_ORDER, entries, shift, False)
+        bolstered = Bolstered.of(bolsters, partial(_solve_in_place, bare))
     if bolstered is None:
         return None
     n_below = n_negative + bolstered.n_negative
-    return ShiftedFactorization(values[1], n_below, matrix, plan, room, bolstered)
+    return ShiftedFactorization(shift, n_below, entries, plan, room, bolstered)
+
+
+def _solve_in_place(solver: Solver, columns: Floats) -> None:
+    solve(solver, columns, columns, (0.0,) * columns.shape[1])
 
 
 @compiled
@@ -309,12 +297,18 @@ def _largest_magnitudes(starts: NDArray[np.int32], data: Floats) -> Floats:
 
 
 @compiled
-def _products_of_magnitudes(
-    starts: NDArray[np.int32], neighbours: NDArray[np.int32], data: Floats, vector: Floats
-) -> Floats:
-    """|matrix|·|vector| of a symmetric matrix."""
-    products = np.zeros(len(vector))
-    for row in range(len(vector)):
+def _backward_error(entries: Entries, shift: float, right: Floats, solution: Floats) -> float:
+    """The largest residual of a row against what went into it; infinite where it is no number."""
+    starts, neighbours, data = entries
+    largest = 0.0
+    for row in range(len(right)):
+        rest = right[row] + shift * solution[row]
+        size = abs(right[row]) + abs(shift * solution[row])
         for e in range(starts[row], starts[row + 1]):
-            products[row] += abs(data[e] * vector[neighbours[e]])
-    return products
+            product = data[e] * solution[neighbours[e]]
+            rest, size = rest - product, size + abs(product)
+        error = abs(rest) / size
+        if np.isnan(error):
+            return np.inf
+        largest = max(largest, error)
+    return largest

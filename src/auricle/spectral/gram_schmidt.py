@@ -9,7 +9,7 @@ import numpy as np
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, eight, four
+from auricle.spectral.lanes import zeros
 from auricle.spectral.narrow_products import Groups, combine, project, subtract_and_measure
 
 _CANCELLED = 1e-3
@@ -54,7 +54,7 @@ def orthogonalize(basis: Groups, block: Groups) -> TakenOut:
     lanes = block.shape[2]
     size = len(block) * lanes
     taken = TakenOut(np.zeros((len(basis) * lanes, size)), np.zeros((size, size)))
-    (_take_out_fours if lanes == 4 else _take_out_eights)(basis, block, *taken)
+    take_out(basis, block, *taken, (0.0,) * lanes)
     return taken
 
 
@@ -80,46 +80,31 @@ def orthonormalize(block: Groups, products: Floats) -> Floats:
     >>> block[0, :2, :2].round(12).T.tolist()
     [[1.0, 0.0], [0.0, 1.0]]
     """
-    lanes = block.shape[2]
     triangle = np.eye(len(products))
-    make = _make_fours_orthonormal if lanes == 4 else _make_eights_orthonormal
-    if not make(block, products, triangle):
-        columns, upper = np.linalg.qr(np.concatenate(list(block), axis=1))
-        for i, group in enumerate(block):
-            group[:] = columns[:, i * lanes : (i + 1) * lanes]
-        triangle = triangle @ upper.T
-    return triangle
+    is_made = make_orthonormal(block, products, triangle, (0.0,) * block.shape[2])
+    return triangle if is_made else by_householder(block, triangle)
 
 
-# Either width is compiled where it is used and not before.
-
-
-@compiled
-def _take_out_fours(basis: Groups, block: Groups, coefficients: Floats, products: Floats) -> None:
-    _take_out(basis, block, coefficients, products, four(0.0))
+def by_householder(block: Groups, triangle: Floats) -> Floats:
+    """Make vectors orthonormal that are near to dependent; returns triangle·what they were of."""
+    lanes = block.shape[2]
+    columns, upper = np.linalg.qr(np.concatenate(list(block), axis=1))
+    for i, group in enumerate(block):
+        group[:] = columns[:, i * lanes : (i + 1) * lanes]
+    made_of: Floats = triangle @ upper.T
+    return made_of
 
 
 @compiled
-def _take_out_eights(basis: Groups, block: Groups, coefficients: Floats, products: Floats) -> None:
-    _take_out(basis, block, coefficients, products, eight(0.0))
+def make_orthonormal(
+    block: Groups, products: Floats, triangle: Floats, like: tuple[float, ...]
+) -> bool:
+    """Make vectors orthonormal; `triangle`, a lower one, is multiplied by what they were made of.
 
-
-@compiled
-def _make_fours_orthonormal(block: Groups, products: Floats, triangle: Floats) -> bool:
-    return _make_orthonormal(block, products, triangle, four(0.0))
-
-
-@compiled
-def _make_eights_orthonormal(block: Groups, products: Floats, triangle: Floats) -> bool:
-    return _make_orthonormal(block, products, triangle, eight(0.0))
-
-
-@compiled
-def _make_orthonormal(block: Groups, products: Floats, triangle: Floats, zero: Lanes) -> bool:
-    """Make vectors orthonormal; what they were made of is put into `triangle`.
-
-    False where they are too near to dependent, with as much done as could be.
+    False where they are too near to dependent, with as much done as could be. Here and below `like`
+    has as many numbers as there are lanes.
     """
+    zero = zeros(like)
     factor = np.zeros_like(triangle)
     for attempt in range(2):
         if attempt > 0:
@@ -183,13 +168,14 @@ def _inverse(triangle: Floats) -> Floats:
 
 
 @compiled
-def _take_out(
-    basis: Groups, block: Groups, coefficients: Floats, products: Floats, zero: Lanes
+def take_out(
+    basis: Groups, block: Groups, coefficients: Floats, products: Floats, like: tuple[float, ...]
 ) -> None:
     """Take the span of the basis out of `block`, and add what that was to `coefficients`.
 
     Sets `products` to the inner products of what is left.
     """
+    zero = zeros(like)
     taken = np.empty_like(coefficients)
     for _ in range(2):
         taken[:] = 0.0

@@ -1,6 +1,5 @@
 """Block Lanczos iteration on a shifted inverse: the eigenpairs nearest to one shift."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self
@@ -10,20 +9,21 @@ import numpy as np
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
 from auricle.spectral.gram_schmidt import orthogonalize, orthonormalize
+from auricle.spectral.lanczos_steps import LEAST_LOST, Lost, Recurrence, take_steps
 from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.ritz_vectors import Combinations, fill_combinations
 from auricle.spectral.workers import Workers, slices
 
 VECTORS_PER_PAIR = 2.2
 """By which the basis grows for each further pair that converges, where eigenvalues lie evenly."""
-_LEAST_LOST, _MOST_LEFT = 1e-15, 2e-11
-"""How far a block is from orthogonal to the basis once it was made so, and how far one may be that
-is left as it is."""
+_MOST_LEFT = 2e-11
+"""How far from orthogonal to the basis a block may be that is left as it is."""
 _ROUGH = 0.1
 """Residual, relative to the inverse eigenvalue, of those that are told at a glance."""
 _FEWEST_MORE = 2
 """Blocks between two looks at convergence."""
-
+_ENTRIES_AT_ONCE = 400_000
+"""Entries of the vectors that are made between two pauses, some thousandths of a second apart."""
 _PARTS = 8
 """Into which the entries of what is found are cut: who is done with a run takes part at once."""
 
@@ -105,25 +105,25 @@ class LanczosRun:
         numbers: Floats | None = None,
     ) -> None:
         self._pause = pause
-        self._scale, self._least, self._lost = 0.0, _LEAST_LOST, (_LEAST_LOST, _LEAST_LOST)
         self.factors, self.values = factors, np.empty(0)
         self._effort, self._n_steps = effort, 0
         lanes, n, n_groups = effort.lanes, factors.size, effort.room(known.shape[1])
         # Filled as the run grows: what is never reached takes no memory.
         if numbers is None:
             numbers = aligned_groups(n_groups, n, lanes)
-        self._basis = numbers.reshape(-1)[: n_groups * n * lanes].reshape(n_groups, n, lanes)
+        basis = numbers.reshape(-1)[: n_groups * n * lanes].reshape(n_groups, n, lanes)
         self._n_known = -(-known.shape[1] // lanes)
-        self._basis[: self._n_known] = 0.0
-        for group, first in zip(self._basis, range(0, known.shape[1], lanes), strict=False):
+        basis[: self._n_known] = 0.0
+        for group, first in zip(basis, range(0, known.shape[1], lanes), strict=False):
             some = known[:, first : first + lanes]
             group[:, : some.shape[1]] = some
-        self._projected = np.zeros((effort.block * effort.most, effort.block * effort.most))
         self._weights = np.empty((0, 0))
-        start = self._basis[self._n_known : self._n_known + effort.block // lanes]
+        start = basis[self._n_known : self._n_known + effort.block // lanes]
         start[:] = rng.standard_normal((n, len(start), lanes)).swapaxes(0, 1)
-        left = orthogonalize(self._basis[: self._n_known], start).products
-        self._coupling = orthonormalize(start, left)
+        left = orthogonalize(basis[: self._n_known], start).products
+        projected = np.zeros((effort.block * effort.most, effort.block * effort.most))
+        self._recurrence = Recurrence(basis, projected, orthonormalize(start, left))
+        self._lost = Lost(0.0, LEAST_LOST, _MOST_LEFT, LEAST_LOST, LEAST_LOST, 0)
 
     def until(self, missing: Callable[[Floats], int] | None = None) -> Self:
         """Go on until no converged eigenvalue is missing, or the effort is spent.
@@ -157,7 +157,7 @@ class LanczosRun:
     def fill_vectors(self, first: int, columns: Floats, *, workers: Workers) -> None:
         """Set columns to the first of what `vectors` returns, in parts made side by side."""
         n_groups = len(self._weights) // self._effort.lanes
-        own = self._basis[self._n_known : self._n_known + n_groups]
+        own = self._recurrence.basis[self._n_known : self._n_known + n_groups]
         weights = self._weights[:, first : first + columns.shape[1]]
         combinations = Combinations.of(np.ascontiguousarray(weights.T))
 
@@ -168,57 +168,20 @@ class LanczosRun:
 
     def _extend(self, n_steps: int) -> None:
         """Lengthen the basis to `n_steps` blocks and the one that follows them."""
-        width = self._effort.block // self._effort.lanes
-        for step in range(self._n_steps, n_steps):
+        at_once = max(_ENTRIES_AT_ONCE // (self.factors.size * self._effort.block), 1)
+        solver = self.factors.solver()
+        for begin in range(self._n_steps, n_steps, at_once):
             self._pause()
-            end = self._n_known + (step + 1) * width
-            for group in range(end, end + width):
-                self.factors.solve_group(self._basis[group - width], self._basis[group])
-            diagonal, left = self._orthogonalized(end)
-            here = slice(step * self._effort.block, (step + 1) * self._effort.block)
-            self._projected[here, here] = (diagonal + diagonal.T) / 2
-            if step:
-                before = slice(here.start - self._effort.block, here.start)
-                self._projected[before, here] = self._coupling
-                self._projected[here, before] = self._coupling.T
-            self._coupling = orthonormalize(self._basis[end : end + width], left)
+            steps = (begin, min(begin + at_once, n_steps))
+            self._lost = take_steps(solver, self._recurrence, self._lost, self._n_known, steps)
         self._n_steps = max(n_steps, self._n_steps)
-
-    def _orthogonalized(self, end: int) -> tuple[Floats, Floats]:
-        """Make the block from group `end` on orthogonal to the basis before it.
-
-        It is the image of the block before; returns its part in that, and the inner products of
-        what is left.
-
-        In exact arithmetic the last two blocks would do. Rounding leaves some of the others behind,
-        and every step that looks at the last two only enlarges that, by the ratio of the operator
-        to what is left of the image. All are taken out of the image as soon as it has more of them
-        than may stay in the basis (Simon 1984, partial reorthogonalisation).
-        """
-        block, width = self._effort.block, self._effort.block // self._effort.lanes
-        image = self._basis[end : end + width]
-        inside, left = orthogonalize(self._basis[max(end - 2 * width, 0) : end], image)
-        if self._n_known:
-            rest, left = orthogonalize(self._basis[:end], image)
-            return inside[-block:] + rest[-block:], left
-        self._scale = max(self._scale, math.sqrt(np.vdot(inside, inside)))
-        squares = left.diagonal()
-        before, last = self._lost
-        lost = last * self._scale / math.sqrt(squares.min()) + before
-        self._lost = (last, lost)
-        if lost > _MOST_LEFT:
-            rest, left = orthogonalize(self._basis[:end], image)
-            # What was found tells how much rounding leaves in this run.
-            excess = math.sqrt(((rest**2).max(axis=0) / squares).max()) / lost
-            self._least = min(max(self._least * excess, _LEAST_LOST), _MOST_LEFT)
-            self._lost = (last, self._least)
-        return inside[-block:], left
 
     def _ritz(self) -> tuple[Floats, Floats, Floats]:
         """Ritz values of the inverse, weights in the basis, and what couples these onwards."""
         size = self._n_steps * self._effort.block
-        inverses, rotations = np.linalg.eigh(self._projected[:size, :size])
-        return inverses, rotations, self._coupling.T @ rotations[-self._effort.block :]
+        inverses, rotations = np.linalg.eigh(self._recurrence.projected[:size, :size])
+        leftover = self._recurrence.coupling.T @ rotations[-self._effort.block :]
+        return inverses, rotations, leftover
 
     def _converge(self) -> None:
         """Look at which eigenvalues have converged, and their weights in the basis."""

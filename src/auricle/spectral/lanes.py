@@ -73,6 +73,15 @@ def _fused(builder: Any, total: Any, one: Any, other: Any) -> Any:
     return builder.fadd(total, builder.fmul(one, other, flags=_CONTRACT), flags=_CONTRACT)
 
 
+def _zeros(typing: Any, like: Any) -> Any:
+    lanes = Lanes(like.count)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return ir.Constant(_vector(lanes), [0.0] * lanes.count)
+
+    return lanes(like), generate
+
+
 def _width(typing: Any, lanes: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return ir.Constant(_COUNT, lanes.count)
@@ -213,6 +222,9 @@ four: Final = cast(Callable[[float], Lanes], _register_filler(4))
 """Four lanes, the same number in each."""
 eight: Final = cast(Callable[[float], Lanes], _register_filler(8))
 """Eight lanes, the same number in each."""
+zeros: Final = cast(Callable[[tuple[float, ...]], Lanes], intrinsic(_zeros))
+"""As many lanes as a tuple has numbers, 0 in each: how the interpreter, which has no registers, says
+how wide they are to be."""
 width: Final = cast(Callable[[Lanes], int], intrinsic(_width))
 """How many lanes there are."""
 load: Final = cast(Callable[[Lanes, Floats, int], Lanes], intrinsic(_load))

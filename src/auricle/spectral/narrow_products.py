@@ -17,8 +17,6 @@ from auricle.spectral.lanes import (
     added,
     added_multiple,
     aligned,
-    eight,
-    four,
     load,
     prefetch,
     store,
@@ -333,23 +331,9 @@ def _subtract_from_one(
         p, r, q = p + width(c0), r + width(c0), q + width(c0)
 
 
-def copy_entries(groups: Groups, begin: int, entries: Floats) -> None:
+@compiled
+def copy_entries(groups: Groups, begin: int, entries: Floats, zero: Lanes) -> None:
     """Fill `entries`, shape (c, m), with those of all m vectors from `begin` on."""
-    (_copy_four if groups.shape[2] == 4 else _copy_eight)(groups, begin, entries)
-
-
-@compiled
-def _copy_four(groups: Groups, begin: int, entries: Floats) -> None:
-    _copy_entries(groups, begin, entries, four(0.0))
-
-
-@compiled
-def _copy_eight(groups: Groups, begin: int, entries: Floats) -> None:
-    _copy_entries(groups, begin, entries, eight(0.0))
-
-
-@compiled
-def _copy_entries(groups: Groups, begin: int, entries: Floats, zero: Lanes) -> None:
     n, lanes = groups.shape[1], groups.shape[2]
     numbers, some = groups.reshape(-1), entries.reshape(-1)
     for g in range(len(groups)):

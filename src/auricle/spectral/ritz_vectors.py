@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from auricle.arrays import Floats
 from auricle.compiled import compiled
-from auricle.spectral.lanes import Lanes, added_multiple, eight, load, prefetch, store
+from auricle.spectral.lanes import Lanes, added_multiple, eight, load, prefetch, store, zeros
 from auricle.spectral.narrow_products import Groups, copy_entries
 from auricle.spectral.side_by_side import set_side_by_side
 
@@ -71,11 +71,23 @@ def fill_combinations(
     >>> columns.tolist()
     [[0.0], [0.8], [0.0]]
     """
-    entries = np.zeros((_STRIP, combinations.side_by_side.shape[1]))
-    for begin in range(some.start, some.stop, _STRIP):
-        strip = columns[begin : min(begin + _STRIP, some.stop)]
-        copy_entries(groups, begin, entries[: len(strip)])
-        _fill_strip(entries, *combinations, strip)
+    _fill(groups, combinations, columns, (some.start, some.stop), (0.0,) * groups.shape[2])
+
+
+@compiled
+def _fill(
+    groups: Groups,
+    combinations: Combinations,
+    columns: Floats,
+    some: tuple[int, int],
+    like: tuple[float, ...],
+) -> None:
+    side_by_side, needed = combinations
+    entries = np.zeros((_STRIP, side_by_side.shape[1]))
+    for begin in range(some[0], some[1], _STRIP):
+        strip = columns[begin : min(begin + _STRIP, some[1])]
+        copy_entries(groups, begin, entries[: len(strip)], zeros(like))
+        _fill_strip(entries, side_by_side, needed, strip)
 
 
 def _needed(side_by_side: Floats) -> NDArray[np.int64]:

@@ -6,14 +6,12 @@ from auricle.arrays import Floats
 from auricle.compiled import compiled, compiled_inline
 from auricle.spectral.elimination import EliminationPlan
 from auricle.spectral.factor_streams import FactorStreams, down_size, up_size
-from auricle.spectral.lanes import Lanes, eight, four, load, store, subtracted, width
+from auricle.spectral.lanes import Lanes, load, store, subtracted, width
 from auricle.spectral.tile_sums import TILE, lines_at_once, sum_lines
 
-NARROW, WIDE, AT_ONCE = 4, 8, 16
-"""Right-hand sides that a register holds, one kind or the other, and that are solved at a time."""
 
-
-def substitute(plan: EliminationPlan, streams: FactorStreams, columns: Floats) -> None:
+@compiled
+def substitute(plan: EliminationPlan, streams: FactorStreams, columns: Floats, zero: Lanes) -> None:
     """Turn right-hand sides into solutions with the factors, in place.
 
     Parameters
@@ -21,40 +19,23 @@ def substitute(plan: EliminationPlan, streams: FactorStreams, columns: Floats) -
     plan, streams
         Of `auricle.spectral.ldl.eliminate`.
     columns
-        Right-hand sides in the order of elimination, shape (n, b), contiguous; b is 4, 8 or 16.
+        Right-hand sides in the order of elimination, shape (n, b), contiguous.
+    zero
+        Of as many lanes as there are columns, 4 or 8, or half of 16.
     """
-    numbers, n_right = columns.reshape(-1), columns.shape[1]
-    if n_right == NARROW:
-        _substitute_four(plan, streams, numbers, n_right)
-    else:
-        _substitute_eight(plan, streams, numbers, n_right)
-
-
-@compiled
-def _substitute_four(
-    plan: EliminationPlan, streams: FactorStreams, columns: Floats, n_right: int
-) -> None:
-    room = np.empty(_room(plan) * NARROW)
-    _substitute(plan, streams, columns, n_right, room, four(0.0))
-
-
-@compiled
-def _substitute_eight(
-    plan: EliminationPlan, streams: FactorStreams, columns: Floats, n_right: int
-) -> None:
-    room = np.empty(_room(plan) * WIDE)
-    _substitute(plan, streams, columns, n_right, room, eight(0.0))
+    room = np.empty(_room(plan) * width(zero))
+    _substitute(plan, streams, (columns.reshape(-1), columns.shape[1]), room, zero)
 
 
 @compiled_inline
 def _substitute(
     plan: EliminationPlan,
     streams: FactorStreams,
-    columns: Floats,
-    n_right: int,
+    right: tuple[Floats, int],
     room: Floats,
     zero: Lanes,
 ) -> None:
+    columns, n_right = right
     place = 0
     for s in range(len(plan.parent)):
         for side in range(0, n_right, width(zero)):
