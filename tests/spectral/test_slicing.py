@@ -7,7 +7,8 @@ from scipy import sparse
 from auricle.errors import SolverError
 from auricle.spectral import slicing
 from auricle.spectral.factorization import factorize
-from auricle.spectral.lanczos import LanczosRun
+from auricle.spectral.ladder import Ladder, junction
+from auricle.spectral.lanczos import Effort, LanczosRun
 from auricle.spectral.laplacian import laplacian
 from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.slicing import lowest_eigenpairs
@@ -133,3 +134,27 @@ def test_a_shift_next_to_an_eigenvalue_is_moved_after_a_few_steps(rng, monkeypat
     assert abs(better - round(better)) == pytest.approx(0.5, abs=0.05)
     assert [steps for shift, steps in extended if shift == near.shift] == [slicing._GLANCE]
     np.testing.assert_allclose(wanted.values, np.round(wanted.values), atol=1e-9)
+
+
+@pytest.mark.parametrize("higher", [0.0, 0.2, 40.0])
+def test_the_last_run_goes_on_where_the_last_count_is_made_beyond_its_reach(rng, higher) -> None:
+    matrix = sparse.csc_array(sparse.diags_array(np.arange(2000.0)))
+    factors = factorize(matrix, 30.4)
+    effort = Effort(4, 24, 60, 1e-11)
+    run = LanczosRun(factors, np.empty((2000, 0)), effort=effort, rng=rng, pause=WORKERS.pause)
+    run.until(lambda values: max(33 - len(values), 0))
+    ladder = Ladder(np.empty(0), np.empty((2000, 32)), certified=-1.0, scale=1.0)
+    joint = junction(ladder, run.values, factors)
+    assert joint is not None
+    reached = run.values[-1]
+
+    def at(gap):
+        assert gap == pytest.approx(31.5, abs=1e-6)
+        return factorize(matrix, gap + higher)
+
+    ceiling = slicing._completed(run, ladder, joint, (32, at), WORKERS)
+    assert ceiling is not None
+    assert (reached < ceiling.shift - 1) == (higher > 1)
+    np.testing.assert_allclose(ladder.values, np.arange(float(ceiling.n_below)), atol=1e-8)
+    beyond = matrix @ ladder.vectors - ladder.vectors * ladder.values
+    assert np.linalg.norm(beyond, axis=0).max() < 1e-7

@@ -223,8 +223,8 @@ four: Final = cast(Callable[[float], Lanes], _register_filler(4))
 eight: Final = cast(Callable[[float], Lanes], _register_filler(8))
 """Eight lanes, the same number in each."""
 zeros: Final = cast(Callable[[tuple[float, ...]], Lanes], intrinsic(_zeros))
-"""As many lanes as a tuple has numbers, 0 in each: how the interpreter, which has no registers, says
-how wide they are to be."""
+"""As many lanes as a tuple has numbers, 0 in each: for callers from outside compiled code, which
+have no registers."""
 width: Final = cast(Callable[[Lanes], int], intrinsic(_width))
 """How many lanes there are."""
 load: Final = cast(Callable[[Lanes, Floats, int], Lanes], intrinsic(_load))

@@ -199,16 +199,13 @@ def _climb(
         run = workers.result(begun[i])
         factors = run.factors
         workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
-        if shifts.wanted is not None and i == len(jobs) - 1:
-            ceiling = workers.result(workers.submit(_completed, run, ladder, shifts.wanted, move))
         joint = junction(ladder, run.values, factors)
         if joint is None:
             _search(factors, ladder, rng=rng, workers=workers)
+        elif shifts.wanted is not None and i == len(jobs) - 1:
+            ceiling = _completed(run, ladder, joint, (shifts.wanted, move), workers)
         else:
-            kept, first = joint
-            end = None if ceiling is None else int(np.searchsorted(run.values, ceiling.shift))
-            fill = partial(run.fill_vectors, first, workers=workers)
-            ladder.replace_above(kept, run.values[first:end], fill)
+            _put(run, ladder, joint, None, workers)
         ladder.certify(factors)
         if i < len(jobs) - 1:
             # Neighbours ask for its count only, and the next factors have its room.
@@ -221,29 +218,48 @@ def _climb(
     return ceiling is not None
 
 
-def _completed(
-    run: LanczosRun, ladder: Ladder, wanted: int, at: Callable[[float], ShiftedFactorization]
-) -> ShiftedFactorization | None:
-    """Factors just above all that is wanted, with all below them found by the run if it can.
-
-    None where what the run has found does not join what is known, or does not reach as high.
-    """
-    factors = run.factors
-    joint = junction(ladder, run.values, factors)
-    if joint is None:
-        return None
+def _put(
+    run: LanczosRun, ladder: Ladder, joint: tuple[int, int], end: int | None, workers: Workers
+) -> None:
+    """Put on the ladder what a run found from where it joins up to an index."""
     kept, first = joint
-    values = np.concatenate([ladder.values[: ladder.n_certified + kept], run.values[first:]])
-    gap = gap_above(values, wanted, ladder.scale)
+    fill = partial(run.fill_vectors, first, workers=workers)
+    ladder.replace_above(kept, run.values[first:end], fill)
+
+
+def _completed(
+    run: LanczosRun,
+    ladder: Ladder,
+    joint: tuple[int, int],
+    goal: tuple[int, Callable[[float], ShiftedFactorization]],
+    workers: Workers,
+) -> ShiftedFactorization | None:
+    """Put on the ladder what a run found, up to just above all that is wanted.
+
+    `goal` is how many are wanted, and what factors at a shift. Returns factors there, which are
+    made while vectors are; None where the run does not reach as high. If more is counted there than
+    it has found it goes on, and its vectors are made once more.
+    """
+    (kept, first), (wanted, at) = joint, goal
+    low = ladder.values[: ladder.n_certified + kept]
+    gap = gap_above(np.concatenate([low, run.values[first:]]), wanted, ladder.scale)
     if gap is None:
+        _put(run, ladder, joint, None, workers)
         return None
-    ceiling = at(gap)
+    counting, end = workers.submit(at, gap), int(np.searchsorted(run.values, gap))
+    _put(run, ladder, joint, end, workers)
+    ceiling, shift = workers.result(counting), run.factors.shift
 
     def missing(values: Floats) -> int:
-        below, end = np.searchsorted(values, [factors.shift, ceiling.shift])
-        return max(ceiling.n_below - factors.n_below - int(end - below), 0)
+        below, above = np.searchsorted(values, [shift, ceiling.shift])
+        return max(ceiling.n_below - run.factors.n_below - int(above - below), 0)
 
-    run.until(missing)
+    if missing(run.values) or np.searchsorted(run.values, ceiling.shift) != end:
+        below = float(low[-1]) if kept else ladder.certified
+        seam = (below + min(float(run.values[first]), shift)) / 2
+        workers.result(workers.submit(run.until, missing))
+        first, end = (int(i) for i in np.searchsorted(run.values, [seam, ceiling.shift]))
+        _put(run, ladder, (kept, first), end, workers)
     return ceiling
 
 
