@@ -1,10 +1,11 @@
 """Manifold harmonics: the eigenfunctions of a surface's Laplacian, complete and certified."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy import sparse
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from auricle.arrays import Floats, Modes, PerMode, PerVertex, read_only
 from auricle.errors import InputError, SolverError
@@ -220,8 +221,14 @@ def operator_harmonics(
         raise InputError(f"{n_modes} harmonics of {n} vertices: ask for 1 to {n - 1}")
     # Slices of the spectrum are the parts of the work that run side by side: in the narrow matrix
     # products of each a second thread gains little, and on shared cores it costs many times over.
-    with threadpool_limits(1, user_api="blas"), Workers(threads, progress) as workers:
+    with _libraries().limit(limits=1, user_api="blas"), Workers(threads, progress) as workers:
         return _solved(operator, n_modes, seed=seed, workers=workers)
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """Those of matrix products, which take a while to find."""
+    return ThreadpoolController()
 
 
 def _solved(operator: Laplacian, n_modes: int, *, seed: int, workers: Workers) -> Harmonics:
@@ -272,8 +279,15 @@ def _least(values: Floats, scale: float) -> float:
 
 def _symmetrized(operator: Laplacian) -> sparse.csc_array:
     """The matrix areas^-½ · stiffness · areas^-½, with the same eigenvalues, in 1/mm²."""
-    roots = sparse.diags_array(1 / np.sqrt(operator.areas))
-    return sparse.csc_array(roots @ operator.stiffness @ roots)
+    stiffness, roots = operator.stiffness.sorted_indices(), 1 / np.sqrt(operator.areas)
+    beside = np.repeat(roots, np.diff(stiffness.indptr))
+    # Rows of a symmetric matrix are its columns.
+    parts = (
+        stiffness.data * roots[stiffness.indices] * beside,
+        stiffness.indices,
+        stiffness.indptr,
+    )
+    return sparse.csc_array(parts, shape=stiffness.shape)
 
 
 def _counted(

@@ -69,7 +69,7 @@ def laplacian(mesh: Mesh) -> Laplacian:
 
 def cotangent_laplacian(mesh: Mesh) -> Laplacian:
     """Linear finite elements with lumped areas: each vertex owns a third of its triangles."""
-    a, b, c = mesh.vertices[mesh.faces.T]
+    a, b, c = np.take(mesh.vertices, mesh.faces.T, axis=0)
     sides = (b - c, c - a, a - b)
     # The cotangent at a corner is the dot product of its two edges over twice the area.
     dots = [-np.einsum("fi,fi->f", sides[k - 2], sides[k - 1]) for k in range(3)]

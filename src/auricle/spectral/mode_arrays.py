@@ -47,8 +47,15 @@ def modes_in_place(
     roots = 1 / np.sqrt(areas[order])
     n, n_columns = room.shape
     numbers = room.reshape(-1)
-    signs = _close_up(numbers, n_columns, count, roots)
+    if n_columns > count:
+        _close_up(numbers, n_columns, count, n)
     modes = numbers[: n * count].reshape(n, count)
+
+    def extremes(some: slice) -> Floats:
+        return _extremes(modes[some], roots[some])
+
+    found = np.stack(workers.each(extremes, slices(n, -(-n // workers.threads))))
+    signs = np.where(found[:, 0].min(axis=0) < -found[:, 1].max(axis=0), -1.0, 1.0)
 
     def turn(some: slice) -> None:
         _turn(modes, some.start, some.stop, order, roots, signs)
@@ -61,21 +68,26 @@ def modes_in_place(
 
 
 @compiled
-def _close_up(numbers: Floats, old: int, new: int, roots: PerVertex) -> Floats:
-    """Move rows of `old` numbers together, so that only the first `new` of each are left.
-
-    Returns for each 1 or −1: what makes the scaled entry of largest magnitude positive.
-    """
-    high, low = np.zeros(new), np.zeros(new)
-    for p in range(len(roots)):
+def _close_up(numbers: Floats, old: int, new: int, n_rows: int) -> None:
+    """Move rows of `old` numbers together, so that only the first `new` of each are left."""
+    for p in range(n_rows):
         source, target = numbers[p * old : p * old + new], numbers[p * new : (p + 1) * new]
         for j in range(new):
             target[j] = source[j]
-        for j in range(new):
-            value = target[j] * roots[p]
+
+
+@compiled
+def _extremes(modes: Modes, roots: PerVertex) -> Floats:
+    """Of the entries of each mode, scaled, the least and the largest, or 0; shape (2, k)."""
+    extremes = np.zeros((2, modes.shape[1]))
+    low, high = extremes[0], extremes[1]
+    for p in range(len(modes)):
+        row, root = modes[p], roots[p]
+        for j in range(len(row)):
+            value = row[j] * root
             high[j] = max(high[j], value)
             low[j] = min(low[j], value)
-    return np.where(-low > high, -1.0, 1.0)
+    return extremes
 
 
 @compiled

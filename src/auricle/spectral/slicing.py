@@ -54,8 +54,6 @@ _GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
 spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
-_SPARE = 8
-"""Eigenpairs above those wanted that a search is likely to find."""
 _LIKELY_VECTORS, _COPIES = 400, 3
 """For the estimate of memory: vectors of a long run, and copies of the result held at one time."""
 
@@ -126,8 +124,7 @@ def lowest_eigenpairs(
     )
     factorable = Factorable(matrix, symbolic)
     n = len(matrix.indptr) - 1
-    room = np.empty((n, count + _SPARE))
-    ladder = Ladder(np.empty(0), room, certified=-1 / density, scale=1 / density)
+    ladder = Ladder(np.empty(0), np.empty((n, count)), certified=-1 / density, scale=1 / density)
     # Used by one run after another: a system sets new pages to zero, or has to ask for them.
     n_groups = _MOST_VECTORS // _SEARCH_BLOCK + 1
     bases = [aligned_groups(n_groups, n, _SEARCH_BLOCK) for _ in range(workers.threads)]

@@ -67,7 +67,7 @@ class Mesh:
     @cached_property
     def face_normals(self) -> Floats:
         """Cross products of the edges, shape (f, 3), mm²: twice the area along the normal."""
-        corners = self.vertices[self.faces]
+        corners = np.take(self.vertices, self.faces, axis=0)
         normals: Floats = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return normals
 

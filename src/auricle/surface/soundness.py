@@ -179,7 +179,7 @@ def triangle_quality(mesh: Mesh) -> PerFace:
     >>> round(float(triangle_quality(flat)[0]), 12)
     1.0
     """
-    a, b, c = mesh.vertices[mesh.faces.T]
+    a, b, c = np.take(mesh.vertices, mesh.faces.T, axis=0)
     squares = sum(np.einsum("fi,fi->f", side, side) for side in (a - b, b - c, c - a))
     quality: PerFace = np.zeros(mesh.n_faces)
     np.divide(4 * np.sqrt(3) * mesh.face_areas, squares, out=quality, where=squares > 0)
