@@ -10,15 +10,14 @@ from scipy import sparse
 from auricle.arrays import Floats, PerMode
 from auricle.compiled import compiled, compiled_inline
 from auricle.spectral.lanes import (
-    Lanes,
     added_multiple,
     added_product,
     eight,
-    four,
     load,
     store,
     subtracted,
     width,
+    zeros,
 )
 from auricle.spectral.side_by_side import set_side_by_side
 
@@ -50,10 +49,8 @@ def row_products(matrix: sparse.csc_array, rows: Floats) -> Floats:
     entries = (matrix.indptr, matrix.indices, matrix.data)
     for first in range(0, len(rows), _WIDE):
         some = slice(first, first + _WIDE)
-        if len(rows[some]) <= _NARROW:
-            _four_products(entries, rows[some], products[some])
-        else:
-            _eight_products(entries, rows[some], products[some])
+        lanes = _NARROW if len(rows[some]) <= _NARROW else _WIDE
+        _products(entries, rows[some], products[some], (0.0,) * lanes)
     return products
 
 
@@ -184,17 +181,8 @@ def _add_sums(
 
 
 @compiled
-def _four_products(entries: Entries, rows: Floats, products: Floats) -> None:
-    _products(entries, rows, products, four(0.0))
-
-
-@compiled
-def _eight_products(entries: Entries, rows: Floats, products: Floats) -> None:
-    _products(entries, rows, products, eight(0.0))
-
-
-@compiled
-def _products(entries: Entries, rows: Floats, products: Floats, zero: Lanes) -> None:
+def _products(entries: Entries, rows: Floats, products: Floats, like: tuple[float, ...]) -> None:
+    zero = zeros(like)
     starts, neighbours, data = entries
     n_rows, n = rows.shape
     lanes = width(zero)
