@@ -1,85 +1,110 @@
-"""Shifts climb: each holds more eigenvalues under it than the last."""
+"""Shifts climb, and shares meet: what one run is not to find, its neighbour is."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import sparse
 
 from auricle.spectral import shifts
 from auricle.spectral.factorization import analyze
-from auricle.spectral.ladder import Ladder
-from auricle.spectral.shifts import Factorable, next_shifts
-from auricle.spectral.workers import Workers
+from auricle.spectral.shifts import (
+    Factorable,
+    Outlook,
+    Share,
+    factors_amid,
+    next_share,
+    number_of_shares,
+)
 
-WORKERS = Workers(2)
 
-
-def one_to(n: int) -> Factorable:
-    matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, n + 1)))
+def of(values) -> Factorable:
+    matrix = sparse.csc_array(sparse.diags_array(np.asarray(values, float)))
     return Factorable(matrix, analyze(matrix))
 
 
-def fresh() -> Ladder:
-    return Ladder(np.empty(0), np.empty((1, 0)), certified=0.0, scale=1.0)
+def one_to(n: int) -> Factorable:
+    return of(np.arange(1.0, n + 1))
 
 
-@pytest.mark.parametrize("count", [30, 60, 100])
-def test_shifts_climb_in_equal_shares_and_the_last_is_told_what_to_complete(count) -> None:
-    found = next_shifts(one_to(1000), fresh(), count=count, density=1.0, workers=WORKERS)
-    assert found.ceiling is None
-    assert found.wanted == count
-    heights = [factors.n_below for factors in found.searched]
-    share = (count + shifts.BEYOND) / (2 * len(heights))
-    expected = share * (1 + 2 * np.arange(len(heights)))
-    np.testing.assert_allclose(heights, expected, atol=1.5)
+FOOT = Outlook(end=0, height=0.0, n_below=0, density=1.0)
 
 
-def test_a_spectrum_of_many_slices_is_begun_at_its_foot() -> None:
-    found = next_shifts(one_to(1000), fresh(), count=500, density=1.0, workers=WORKERS)
-    assert found.wanted is None
-    assert len(found.searched) == shifts.AT_ONCE
-    assert 30 < found.searched[0].n_below < 50
+@given(st.integers(0, 300), st.integers(1, 2000), st.integers(20, 90), st.data())
+def test_shares_meet_and_end_at_the_goal(known, more, reach, data) -> None:
+    """Wherever their shifts come to lie."""
+    goal, outlook = known + more, FOOT._replace(end=known)
+    n_left, ends = number_of_shares(outlook, goal, reach), [known]
+    while n_left:
+        share = next_share(outlook, goal, n_left)
+        assert share.first == ends[-1] < share.end
+        n_left -= 1
+        if n_left:
+            n_below = data.draw(st.integers(max(share.first - 5, 0), share.end + 5))
+            share = share.settled(n_below, reach)
+        outlook = outlook._replace(end=share.end)
+        ends.append(share.end)
+        n_left = outlook.shares_left(n_left, goal, reach)
+    assert ends[-1] >= goal
+    assert ends == sorted(set(ends))
 
 
-def test_what_was_found_above_the_certified_is_not_searched_again() -> None:
-    """So much is known that only a count is left to be made."""
-    ladder = Ladder(
-        np.arange(1.0, 60.0), np.empty((1, 59)), certified=20.5, n_certified=20, scale=1.0
-    )
-    found = next_shifts(one_to(1000), ladder, count=50, density=1.0, workers=WORKERS)
-    assert not found.searched
-    assert found.ceiling is not None
-    assert found.ceiling.n_below == 50
+@pytest.mark.parametrize(("goal", "count"), [(20, 1), (40, 1), (41, 2), (160, 2), (506, 6)])
+def test_as_many_shares_are_laid_as_go_at_once_or_more(goal, count) -> None:
+    assert number_of_shares(FOOT, goal, 40) == count
 
 
-def test_the_last_count_does_not_cut_through_equal_eigenvalues() -> None:
-    """As far as is known; where they reach as high as what is known, more is searched."""
-    values = np.concatenate([np.arange(1.0, 50.0), np.full(5, 50.0)])
-    known = Ladder(values, np.empty((1, 54)), certified=20.5, n_certified=20, scale=1.0)
-    found = next_shifts(one_to(1000), known, count=51, density=1.0, workers=WORKERS)
-    assert found.ceiling is None
-    assert found.searched[0].shift > 50
-    known.add(np.array([60.0]), np.empty((1, 1)))
-    found = next_shifts(one_to(1000), known, count=51, density=1.0, workers=WORKERS)
-    assert found.ceiling is not None
-    assert found.ceiling.shift == pytest.approx(55.0, rel=1e-3)
+def test_shares_are_equal_but_for_the_lowest_which_is_cheap() -> None:
+    lowest = next_share(FOOT, 506, 6)
+    following = next_share(FOOT._replace(end=lowest.end), 506, 5)
+    sizes = [share.end - share.first for share in (lowest, following)]
+    assert sizes[0] - sizes[1] == pytest.approx(shifts._MORE_AT_THE_BOTTOM, abs=1)
+    assert sizes[0] + 5 * sizes[1] == pytest.approx(506, abs=5)
 
 
-def test_a_slice_denser_than_expected_is_cut_down() -> None:
-    found = next_shifts(one_to(1000), fresh(), count=500, density=0.1, workers=WORKERS)
-    (nearer,) = found.searched
-    assert 0 < nearer.n_below <= 80
-    assert found.wanted is None
+def test_a_settled_share_reaches_as_far_above_its_shift_as_below() -> None:
+    assert Share(84, 168).settled(124, 40) == Share(84, 164)
+    assert Share(84, 168).settled(400, 40) == Share(84, 480)
+    assert Share(84, 168).settled(80, 40) == Share(84, 168)
 
 
-def test_a_shift_that_had_to_move_past_the_next_leaves_that_out(monkeypatch) -> None:
-    """The lower of two moves up by more than what lies between them."""
+def test_what_is_counted_tells_how_dense_the_spectrum_is() -> None:
+    matrix = one_to(1000)
+    outlook = FOOT._replace(density=7.0).after(Share(0, 80), matrix.at(40.5))
+    assert outlook == Outlook(80, 40.5, 40, pytest.approx(40 / 40.5))
+    same = outlook.after(Share(80, 160), matrix.at(40.5))
+    assert same.density == outlook.density
+
+
+@pytest.mark.parametrize("density", [0.02, 0.3, 1.0, 3.0, 50.0])
+@pytest.mark.parametrize("first", [0, 300])
+def test_a_shift_lies_amid_its_share_whatever_was_expected(density, first) -> None:
+    outlook = Outlook(first, max(first - 40.5, 0), max(first - 41, 0), density)
+    share = Share(first, first + 80)
+    n_below = factors_amid(one_to(1000), share, outlook).n_below
+    assert abs(n_below - (first + 40)) <= shifts._OFF * 80
+
+
+def test_beside_a_cluster_wider_than_the_share_a_side_is_taken(monkeypatch) -> None:
+    """And not tried for again and again."""
+    values = np.concatenate([np.arange(1.0, 31.0), np.full(100, 31.0), np.arange(32.0, 200.0)])
+    tried = []
     factorize = shifts.factorize
 
-    def moved(matrix, shift, *, symbolic, rooms):
-        return factorize(matrix, shift + 54 * (shift < 30), symbolic=symbolic, rooms=rooms)
+    def noted(matrix, shift, **given):
+        tried.append(shift)
+        return factorize(matrix, shift, **given)
 
-    monkeypatch.setattr(shifts, "factorize", moved)
-    found = next_shifts(one_to(1000), fresh(), count=100, density=1.0, workers=WORKERS)
-    (only,) = found.searched
-    assert only.shift > 77
-    assert found.wanted is None
+    monkeypatch.setattr(shifts, "factorize", noted)
+    below, above = (
+        factors_amid(of(values), share, FOOT).n_below for share in (Share(0, 90), Share(60, 150))
+    )
+    assert below <= 30
+    assert 130 <= above <= 105 + 90
+    assert len(tried) <= 2 * shifts._TRIES
+
+
+def test_a_shift_is_placed_above_the_last_count_even_amid_what_lies_below_it() -> None:
+    """A shift before has skipped a cluster, and most of this share with it."""
+    outlook = Outlook(end=80, height=100.5, n_below=100, density=1.0)
+    assert factors_amid(one_to(1000), Share(80, 130), outlook).shift > 100.5

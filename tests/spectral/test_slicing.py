@@ -5,12 +5,11 @@ import pytest
 from scipy import sparse
 
 from auricle.errors import SolverError
-from auricle.spectral import slicing
+from auricle.spectral import share_runs, slicing
 from auricle.spectral.factorization import factorize
 from auricle.spectral.ladder import Ladder, junction
 from auricle.spectral.lanczos import Effort, LanczosRun
 from auricle.spectral.laplacian import laplacian
-from auricle.spectral.narrow_products import aligned_groups
 from auricle.spectral.slicing import lowest_eigenpairs
 from auricle.spectral.workers import Workers
 from auricle.surface.mesh import Mesh
@@ -83,7 +82,8 @@ def test_what_is_counted_but_not_found_is_an_error_not_a_gap(monkeypatch) -> Non
             super()._converge()
             self.values, self._weights = self.values[1:], self._weights[:, 1:]
 
-    monkeypatch.setattr(slicing, "LanczosRun", Forgetful)
+    for module in (share_runs, slicing):
+        monkeypatch.setattr(module, "LanczosRun", Forgetful)
     monkeypatch.setattr(slicing, "_RETRIES", 1)
     mesh = SHAPES["sphere"]()
     with pytest.raises(SolverError, match="counted below"):
@@ -108,32 +108,6 @@ def test_progress_counts_up_to_what_was_asked() -> None:
     )
     assert seen[-1] == ("harmonics", 150, 150)
     assert [done for _, done, _ in seen] == sorted(done for _, done, _ in seen)
-
-
-def test_a_shift_next_to_an_eigenvalue_is_moved_after_a_few_steps(rng, monkeypatch) -> None:
-    """A whole run there would be wasted: what it finds far from the shift is not right."""
-    matrix = sparse.csc_array(sparse.diags_array(np.arange(1.0, 2001.0)))
-    moved = []
-
-    def move(shift):
-        moved.append(shift)
-        return factorize(matrix, shift)
-
-    extended = []
-    extend = LanczosRun._extend
-
-    def noted(self, n_steps):
-        extended.append((self.factors.shift, n_steps))
-        extend(self, n_steps)
-
-    monkeypatch.setattr(LanczosRun, "_extend", noted)
-    near = factorize(matrix, 30.001)
-    wanted = slicing._run(near, rng, lambda _: lambda values: 0 if len(values) > 20 else 20,
-                          lambda: None, move, aligned_groups(101, 2000, 8))  # fmt: skip
-    (better,) = moved
-    assert abs(better - round(better)) == pytest.approx(0.5, abs=0.05)
-    assert [steps for shift, steps in extended if shift == near.shift] == [slicing._GLANCE]
-    np.testing.assert_allclose(wanted.values, np.round(wanted.values), atol=1e-9)
 
 
 @pytest.mark.parametrize("higher", [0.0, 0.2, 40.0])

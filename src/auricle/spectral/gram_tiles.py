@@ -15,9 +15,7 @@ from auricle.spectral.workers import Workers
 TILE = 8
 """Vectors of a tile, each way."""
 _STRIP = 65_536
-"""Numbers of all vectors that are worked on at a time and stay in the cache."""
-_PARTS = 4
-"""Into which work is cut for each thread, where there are several."""
+"""Numbers of the vectors that are worked on at a time and stay in the cache."""
 
 
 def tiles(count: int) -> Integers:
@@ -56,8 +54,8 @@ def fill_products(
         return
     entries = rows.T if rows.strides[0] == rows.itemsize else np.ascontiguousarray(rows.T)
     places = tiles(len(rows))[:, 0][np.argwhere(wanted)]
-    n_parts = 1 if workers.threads == 1 else _PARTS * workers.threads
-    parts = [part for part in np.array_split(places, n_parts) if len(part)]
+    # Each part reads its own columns, once: more parts would share more of them.
+    parts = [part for part in np.array_split(places, workers.threads) if len(part)]
     workers.each(lambda part: _fill(entries, part, products), parts)
 
 
@@ -66,10 +64,11 @@ def _fill(entries: Floats, places: Integers, products: Floats) -> None:
     """Set the products of the eight columns from places[i, 0] on with those from places[i, 1]."""
     n, step = len(entries), entries.strides[0] // entries.itemsize
     sums = np.zeros((len(places), TILE * TILE))
-    length = max(_STRIP // step, 1)
+    columns = (places.min(), places.max() + TILE)
+    length = max(_STRIP // (columns[1] - columns[0]), 1)
     for begin in range(0, n, length):
         end = min(begin + length, n)
-        _ask_for(entries, step, end, min(end + length, n))
+        _ask_for(entries, columns, end, min(end + length, n))
         for i in range(len(places)):
             _add(entries, (begin * step, step, end - begin), places[i], sums[i])
     for i in range(len(places)):
@@ -79,10 +78,11 @@ def _fill(entries: Floats, places: Integers, products: Floats) -> None:
 
 
 @compiled
-def _ask_for(entries: Floats, step: int, begin: int, end: int) -> None:
-    """Have the next strip brought near, line by line of the cache."""
+def _ask_for(entries: Floats, columns: tuple[int, int], begin: int, end: int) -> None:
+    """Have some columns of the next strip brought near, line by line of the cache."""
+    step = entries.strides[0] // entries.itemsize
     for i in range(begin, end):
-        for j in range(0, entries.shape[1], TILE):
+        for j in range(columns[0], columns[1], TILE):
             prefetch(entries, i * step + j)
 
 

@@ -16,42 +16,22 @@ from auricle.arrays import Floats
 from auricle.errors import SolverError
 from auricle.spectral.factorization import ShiftedFactorization, SymbolicFactorization, analyze
 from auricle.spectral.ladder import Ladder, junction
-from auricle.spectral.lanczos import VECTORS_PER_PAIR, Effort, LanczosRun
+from auricle.spectral.lanczos import Effort, LanczosRun
 from auricle.spectral.memory import require_memory
 from auricle.spectral.narrow_products import aligned_groups
-from auricle.spectral.shifts import (
-    AT_ONCE,
-    BEYOND,
-    Factorable,
-    NextShifts,
-    gap_above,
-    next_shifts,
-    widest_gap,
-)
+from auricle.spectral.share_runs import MOST_VECTORS, TOLERANCE, ShareRuns
+from auricle.spectral.shifts import AT_ONCE, BEYOND, Factorable, Outlook, gap_above
 from auricle.spectral.workers import Workers
 
-_TOLERANCE = 1e-11
-"""Of pairs that count as converged."""
-_RUN, _LARGE_RUN, _LARGE = (4, 17, _TOLERANCE), (8, 15, 1e-10), 60_000
-"""Of a run: width of its block, blocks before the first pair converges, tolerance; and from how
-many vertices on they are others. There factors are far from the processor, so that to read them
-less often is worth more than to make few vectors; and rounding leaves as much as that tolerance.
-"""
 _SEARCH_BLOCK, _WIDEST_BLOCK = 8, 32
 """Width in searches for what is missing, which widens.
 
 Clusters of equal eigenvalues wider than the block show one block's width of copies a run.
 """
-_AT_THE_BOTTOM = 7
-"""Blocks before the first pair converges where nothing lies further down; each further pair takes
-`VECTORS_PER_PAIR` vectors."""
-_MOST_VECTORS, _SEARCH_STEPS = 800, 40
-"""Length of a run: at most, in vectors; and of a search, in blocks."""
-_MARGIN = 4
-"""Pairs more than needed, half of them each way, that let neighbouring runs overlap."""
-_GLANCE, _TOO_NEAR, _AROUND = 8, 0.03, 8
-"""Blocks after which a run is looked at for an eigenvalue next to its shift; share of the mean
-spacing that is too near; and how many eigenvalues around it show the gap it moves to."""
+_SEARCH_STEPS = 40
+"""Length of a search, in blocks."""
+_MORE = 4
+"""Pairs more that a run is to find whose values do not join those below."""
 _RETRIES, _FRUITLESS = 60, 4
 """Searches again for what is missing, and how many of the widest in a row may find nothing new."""
 _LIKELY_VECTORS, _COPIES = 400, 3
@@ -126,24 +106,15 @@ def lowest_eigenpairs(
     n = len(matrix.indptr) - 1
     ladder = Ladder(np.empty(0), np.empty((n, count)), certified=-1 / density, scale=1 / density)
     # Used by one run after another: a system sets new pages to zero, or has to ask for them.
-    n_groups = _MOST_VECTORS // _SEARCH_BLOCK + 1
+    n_groups = MOST_VECTORS // _SEARCH_BLOCK + 1
     bases = [aligned_groups(n_groups, n, _SEARCH_BLOCK) for _ in range(workers.threads)]
     workers.report("harmonics", 0, count)
     ended = False
     while not ended:
         low, n_low = ladder.certified, ladder.n_certified
-        # Not named: factors are let go before the next are made.
-        ended = _climb(
-            next_shifts(factorable, ladder, count=count, density=density, workers=workers),
-            ladder,
-            factorable.at,
-            bases=bases,
-            rng=rng,
-            workers=workers,
-        )
-        ended = ended or ladder.n_certified > count
+        climb = _Climb(factorable, ladder, count, density, rng, workers)
+        ended = climb.to_the_gap() or climb.by_shares(bases) or ladder.n_certified > count
         density = max(ladder.n_certified - n_low, 1) / (ladder.certified - low)
-        workers.report("harmonics", min(ladder.n_certified, count), count)
     return LowestPairs(
         ladder.values[: ladder.n_certified],
         ladder.room,
@@ -160,59 +131,72 @@ def needed_bytes(symbolic: SymbolicFactorization, count: int) -> int:
     return runs + 8 * count * (_COPIES * n + 2 * count)
 
 
-def _climb(
-    shifts: NextShifts,
-    ladder: Ladder,
-    move: Callable[[float], ShiftedFactorization],
-    *,
-    bases: Sequence[Floats],
-    rng: np.random.Generator,
-    workers: Workers,
-) -> bool:
-    """Put every eigenpair under the shifts on the ladder, and those found on the way above them.
+@dataclass(frozen=True, eq=False)
+class _Climb:
+    """A way up the spectrum: what is found is put on the ladder.
 
-    A shift that turns out too near an eigenvalue is moved: `move` factors at another. Returns
-    whether all that is wanted is certified.
+    Attributes
+    ----------
+    factorable, ladder, count, rng, workers
+        As `lowest_eigenpairs` has them.
+    density
+        Expected number of eigenvalues per unit of eigenvalue above what is certified.
     """
-    searched = shifts.searched
-    following: list[ShiftedFactorization | None] = [*searched[1:], None]
-    jobs = [
-        partial(
-            _run,
-            factors,
-            own,
-            partial(_lacks, ladder, lower=lower, higher=higher, wanted=shifts.wanted),
-            workers.pause,
-            move,
-            bases[i % len(bases)],
-        )
-        for i, (factors, own, lower, higher) in enumerate(
-            zip(searched, rng.spawn(len(searched)), [None, *searched], following, strict=False)
-        )
-    ]
-    begun = [workers.submit(job) for job in jobs[: len(bases)]]
-    ceiling = shifts.ceiling
-    for i in range(len(jobs)):
-        run = workers.result(begun[i])
-        factors = run.factors
+
+    factorable: Factorable
+    ladder: Ladder
+    count: int
+    density: float
+    rng: np.random.Generator
+    workers: Workers
+
+    def to_the_gap(self) -> bool:
+        """Count where what is wanted ends, if that is known already; returns whether it is."""
+        gap = gap_above(self.ladder.values, self.count, self.ladder.scale)
+        if gap is not None:
+            self._end_at(self.factorable.at(gap))
+        return gap is not None
+
+    def by_shares(self, bases: Sequence[Floats]) -> bool:
+        """Find what is wanted, share by share; returns whether all of it is certified."""
+        ladder, known, ended = self.ladder, len(self.ladder.values), False
+        outlook = Outlook(known, ladder.certified, ladder.n_certified, self.density)
+        goal = max(known, self.count) + BEYOND
+        runs = ShareRuns(self.factorable, bases, self.rng, self.workers)
+        for run, is_last in runs.upwards(outlook, goal):
+            ended = self._take_in(run, is_last=is_last)
+            found = min(ladder.n_certified, self.count)
+            self.workers.report("harmonics", found, self.count)
+        return ended
+
+    def _take_in(self, run: LanczosRun, *, is_last: bool) -> bool:
+        """Put on the ladder what a run found, and what it missed; returns whether that is all."""
+        factors, ladder, workers = run.factors, self.ladder, self.workers
+        if factors.shift <= ladder.certified:
+            # A shift that had to move up past the one after it.
+            factors.let_go()
+            return False
         workers.result(workers.submit(run.until, partial(_gap_left, ladder, factors)))
-        joint = junction(ladder, run.values, factors)
+        joint, ceiling = junction(ladder, run.values, factors), None
         if joint is None:
-            _search(factors, ladder, rng=rng, workers=workers)
-        elif shifts.wanted is not None and i == len(jobs) - 1:
-            ceiling = _completed(run, ladder, joint, (shifts.wanted, move), workers)
+            _search(factors, ladder, rng=self.rng, workers=workers)
+        elif is_last:
+            ceiling = _completed(run, ladder, joint, (self.count, self.factorable.at), workers)
         else:
             _put(run, ladder, joint, None, workers)
         ladder.certify(factors)
-        if i < len(jobs) - 1:
-            # Neighbours ask for its count only, and the next factors have its room.
-            factors.let_go()
-        # Not before its basis is free.
-        begun.extend(workers.submit(job) for job in jobs[len(begun) : i + 1 + len(bases)])
-    if ceiling is not None:
-        _search(ceiling, ladder, rng=rng, workers=workers)
-        ladder.certify(ceiling)
-    return ceiling is not None
+        factors.let_go()
+        if ceiling is not None:
+            self._end_at(ceiling)
+        return ceiling is not None
+
+    def _end_at(self, ceiling: ShiftedFactorization) -> None:
+        _search(ceiling, self.ladder, rng=self.rng, workers=self.workers)
+        self.ladder.certify(ceiling)
+
+
+def _gap_left(ladder: Ladder, factors: ShiftedFactorization, values: Floats) -> int:
+    return _MORE if junction(ladder, values, factors) is None else 0
 
 
 def _put(
@@ -260,83 +244,6 @@ def _completed(
     return ceiling
 
 
-def _run(
-    factors: ShiftedFactorization,
-    rng: np.random.Generator,
-    criterion: Callable[[ShiftedFactorization], Callable[[Floats], int]],
-    pause: Callable[[], None],
-    move: Callable[[float], ShiftedFactorization],
-    numbers: Floats,
-) -> LanczosRun:
-    nothing = np.empty((factors.size, 0))
-    missing = criterion(factors)
-    effort = _effort(factors, missing(np.empty(0)))
-    run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause, numbers=numbers)
-    better = _better_shift(run.glance(_GLANCE), factors.shift)
-    if better is not None:
-        factors = move(better)
-        missing = criterion(factors)
-        run = LanczosRun(factors, nothing, effort=effort, rng=rng, pause=pause, numbers=numbers)
-    return run.until(missing)
-
-
-def _better_shift(nearest: Floats, shift: float) -> float | None:
-    """The middle of the widest gap nearby, if the shift lies next to an eigenvalue; else None.
-
-    Solves there are right to rounding of the nearest eigenvector's part, which swamps what
-    belongs to eigenvalues far from the shift.
-    """
-    around = np.sort(nearest[:_AROUND])
-    if len(around) < _AROUND:
-        return None
-    if np.abs(around - shift).min() > _TOO_NEAR * np.diff(around).mean():
-        return None
-    return widest_gap(around)
-
-
-def _lacks(
-    ladder: Ladder,
-    factors: ShiftedFactorization,
-    *,
-    lower: ShiftedFactorization | None,
-    higher: ShiftedFactorization | None,
-    wanted: int | None,
-) -> Callable[[Floats], int]:
-    """How much a run lacks of what lies next to its shift.
-
-    Half of what lies between it and a neighbour is its part, and all that is wanted and a few more
-    if it is the last. The first of several joins the ladder; the others are searched before it has
-    grown to them.
-    """
-    first = lower is None
-    known = len(ladder.values) - ladder.n_certified
-    n_below = factors.n_below - (ladder.n_certified if lower is None else lower.n_below)
-    below = max(n_below - known if first else -(-n_below // 2), 0) + _MARGIN // 2
-    above = _MARGIN // 2
-    if higher is not None:
-        above += (higher.n_below - factors.n_below) // 2
-    elif wanted is not None:
-        above = wanted + BEYOND - factors.n_below
-
-    def missing(values: Floats) -> int:
-        found_below = int(np.searchsorted(values, factors.shift))
-        short = max(above - (len(values) - found_below), 0)
-        if not (first and _joins(ladder, factors, values)):
-            # What is found below may be enough by number and yet not join.
-            short = max(short, below - found_below, 1 if first else 0)
-        return 2 * short
-
-    return missing
-
-
-def _joins(ladder: Ladder, factors: ShiftedFactorization, values: Floats) -> bool:
-    return junction(ladder, values, factors) is not None
-
-
-def _gap_left(ladder: Ladder, factors: ShiftedFactorization, values: Floats) -> int:
-    return 0 if _joins(ladder, factors, values) else _MARGIN
-
-
 def _search(
     factors: ShiftedFactorization,
     ladder: Ladder,
@@ -367,15 +274,6 @@ def _search(
         )
 
 
-def _effort(factors: ShiftedFactorization, n_pairs: int) -> Effort:
-    block, until_first, tolerance = _RUN if factors.size < _LARGE else _LARGE_RUN
-    most = min(_MOST_VECTORS, factors.size // 2) // block
-    at_the_bottom = factors.n_below <= n_pairs // 2 + _MARGIN
-    first = _AT_THE_BOTTOM if at_the_bottom else until_first
-    first += int(VECTORS_PER_PAIR * n_pairs) // block
-    return Effort(block, min(first, most), most, tolerance)
-
-
 def _search_effort(factors: ShiftedFactorization, block: int) -> Effort:
     steps = min(_SEARCH_STEPS, factors.size // (2 * block))
-    return Effort(block, steps, steps, _TOLERANCE)
+    return Effort(block, steps, steps, TOLERANCE)
