@@ -52,3 +52,18 @@ def test_never_looking_at_the_whole_basis_finds_eigenvalues_twice(rng, monkeypat
     """What the rule is for: without it the truths above fail."""
     monkeypatch.setattr(lanczos, "_MOST_LEFT", np.inf)
     assert np.diff(run_near(700.04, rng).values).min() < 0.5
+
+
+def test_where_lapack_gives_up_its_older_method_takes_its_place(monkeypatch) -> None:
+    """It does, once in very many runs, and not for the same matrix times two."""
+    eigh = np.linalg.eigh
+
+    def give_up(matrix):
+        if len(matrix) > 100:
+            raise np.linalg.LinAlgError("Eigenvalues did not converge")
+        return eigh(matrix)
+
+    expected = run_near(700.5, np.random.default_rng(3)).values
+    monkeypatch.setattr(np.linalg, "eigh", give_up)
+    found = run_near(700.5, np.random.default_rng(3)).values
+    np.testing.assert_allclose(found, expected, rtol=1e-12)

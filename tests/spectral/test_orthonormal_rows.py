@@ -33,16 +33,28 @@ def orthonormal_rows(rng, count: int, n: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("departure", [1e-8, 1e-6, 1e-3])
-def test_rows_become_orthonormal_and_stay_where_they_were(rng, departure) -> None:
+def test_rows_become_orthonormal_and_the_lowest_stay_where_they_were(rng, departure) -> None:
+    """Each is changed by those before it only: Gram and Schmidt's rows."""
     exact = orthonormal_rows(rng, 130, 700)
-    mixing = rng.standard_normal((130, 130)) / 130
-    rows = exact + departure * (mixing + mixing.T) @ exact
+    mixing = np.tril(rng.standard_normal((130, 130)) / 130)
+    rows = exact + departure * mixing @ exact
     found = made_orthonormal(rows)
     assert measured(found.rows, nothing_known(rows))[1] < 1e-13
     assert found.departure < 1e-13
-    np.testing.assert_allclose(
-        found.rows, exact, atol=1e-13
-    )  # the polar factor, not a rotation of it
+    np.testing.assert_allclose(found.rows, exact, atol=1e-13)
+
+
+def test_residuals_of_the_lowest_do_not_grow_by_what_others_hold_of_them(rng) -> None:
+    """Of the highest row a billionth is the lowest, whose eigenvalue is a millionth of its own."""
+    exact = orthonormal_rows(rng, 20, 300)
+    values = np.geomspace(1e-6, 1.0, 20)
+    rows = exact.copy()
+    rows[-1] += 1e-9 * exact[0]
+    found = made_orthonormal(rows)
+    coefficients = found.rows @ exact.T
+    residuals = np.linalg.norm((coefficients * values) - values[:, None] * coefficients, axis=1)
+    assert found.departure < 1e-13
+    assert (residuals / values).max() < 1e-9
 
 
 def test_the_overlap_is_the_lower_triangle_of_the_gram_matrix_less_one(rng) -> None:

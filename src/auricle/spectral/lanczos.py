@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from scipy import linalg
 
 from auricle.arrays import Floats
 from auricle.spectral.factorization import ShiftedFactorization
@@ -179,7 +180,7 @@ class LanczosRun:
     def _ritz(self) -> tuple[Floats, Floats, Floats]:
         """Ritz values of the inverse, weights in the basis, and what couples these onwards."""
         size = self._n_steps * self._effort.block
-        inverses, rotations = np.linalg.eigh(self._recurrence.projected[:size, :size])
+        inverses, rotations = _eigenpairs(self._recurrence.projected[:size, :size])
         leftover = self._recurrence.coupling.T @ rotations[-self._effort.block :]
         return inverses, rotations, leftover
 
@@ -192,3 +193,16 @@ class LanczosRun:
         # One more step of inverse iteration costs nothing here: it is the basis's next block.
         weights = np.concatenate([rotations[:, chosen], leftover[:, chosen] / inverses[chosen]])
         self.values, self._weights = np.sort(values), weights / np.linalg.norm(weights, axis=0)
+
+
+def _eigenpairs(matrix: Floats) -> tuple[Floats, Floats]:
+    """Of a small symmetric matrix, ascending, vectors as columns.
+
+    LAPACK divides and conquers, which once in very many matrices does not come to an end; then the
+    slower method of old takes its place.
+    """
+    try:
+        values, vectors = np.linalg.eigh(matrix)
+    except np.linalg.LinAlgError:
+        values, vectors = linalg.eigh(matrix, driver="ev")
+    return values, vectors

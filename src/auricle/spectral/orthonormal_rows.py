@@ -11,7 +11,7 @@ from auricle.spectral.separation import Separation
 from auricle.spectral.workers import Workers, slices
 
 _NEIGHBOURS = 96
-"""Rows before and after each that it departs from orthogonal to by more than to others."""
+"""Rows before each that it departs from orthogonal to by more than to others."""
 _NEGLIGIBLE = 4e-11
 """Inner product that need not be measured where it is known not to exceed this."""
 _ORTHONORMAL = 5e-11
@@ -47,9 +47,13 @@ def orthonormalized(
     separated: Callable[[Floats, PerMode], Separation],
     workers: Workers,
 ) -> Orthonormal:
-    """The nearest orthonormal rows, by Newton-Schulz steps of the polar decomposition.
+    """Orthonormal rows next to these, by steps of first order, which square the departure.
 
-    Only those that depart from orthogonal to another take part. Eigenvectors found of one symmetric
+    What two rows share is taken out of that of the larger eigenvalue: the residual of the other,
+    small against its own eigenvalue, tells that little of it lies there. Half of it taken out of
+    each, as for the nearest orthonormal rows, would let residuals of the lowest grow.
+
+    Only rows that depart from orthogonal to another take part. Eigenvectors found of one symmetric
     matrix are the nearer to orthogonal the further apart their eigenvalues lie. So a first step is
     taken among neighbours, at a fraction of the price, and further ones among all; none where the
     departure is small.
@@ -65,7 +69,7 @@ def orthonormalized(
 
     References
     ----------
-    Higham 2008, Functions of Matrices, § 8.3; Parlett 1998, The Symmetric Eigenvalue Problem, § 11.
+    Parlett 1998, The Symmetric Eigenvalue Problem, § 11.
     """
     lower, unmeasured = overlap(rows, workers, separation)
     for step in range(_MOST_STEPS + 1):
@@ -101,15 +105,15 @@ def overlap(rows: Floats, workers: Workers, separation: Separation) -> tuple[Flo
 
 
 def _step(rows: Floats, lower: Floats, parts: list[slice], reach: int, workers: Workers) -> Floats:
-    """Rows less half of their overlaps, with those at most `reach` parts before and after."""
+    """Rows made of length 1, less their overlaps with those up to `reach` parts before."""
     stepped = np.empty_like(rows)
-    sources, factors = rows, 0.5 * (np.tril(lower, -1) + lower.T)
+    sources, factors = rows, np.tril(lower) - 0.5 * np.diag(np.diag(lower))
     if np.abs(factors).max() < _SINGLE:
         sources, factors = rows.astype(np.float32), factors.astype(np.float32)
 
     def fill(i: int) -> None:
         some = parts[i]
-        near = slice(parts[max(i - reach, 0)].start, parts[min(i + reach, len(parts) - 1)].stop)
+        near = slice(parts[max(i - reach, 0)].start, parts[i].stop)
         np.subtract(rows[some], factors[some, near] @ sources[near], out=stepped[some])
 
     workers.each(fill, range(len(parts)))

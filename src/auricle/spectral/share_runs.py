@@ -71,6 +71,11 @@ class ShareRuns:
 
         Together they find what lies between an outlook and a goal, the index of an eigenvalue. The
         basis of a run is used for another when the next is asked for.
+
+        Raises
+        ------
+        SolverError
+            If nowhere in a share the matrix can be factored.
         """
         n_left = number_of_shares(outlook, goal, self.factorable.reach)
         under_way: deque[tuple[Future[LanczosRun], bool]] = deque()

@@ -138,6 +138,20 @@ def factors_amid(factorable: Factorable, share: Share, outlook: Outlook) -> Shif
     """Factors at a shift with about half of a share below it.
 
     Where what is expected misses that by too much, the shift moves by what has been counted.
+
+    Parameters
+    ----------
+    factorable
+        What is factored.
+    share
+        Which eigenvalues are to be found from there; some above the last count at least.
+    outlook
+        From which the shift is placed.
+
+    Raises
+    ------
+    SolverError
+        If no shift nearby can be factored.
     """
     size, middle = share.end - share.first, (max(share.first, outlook.n_below) + share.end) / 2
     low, high = _Counted(outlook.height, outlook.n_below), None
