@@ -52,6 +52,22 @@ def test_one_thread_finds_the_same_digits_as_two(rng) -> None:
         np.testing.assert_array_equal(one[2], two[2])
 
 
+def test_each_share_is_laid_on_what_was_counted_in_the_one_below(rng, monkeypatch) -> None:
+    laid = []
+    factors_amid = share_runs.factors_amid
+
+    def noted(factorable, share, outlook):
+        factors = factors_amid(factorable, share, outlook)
+        laid.append((share, outlook, factors.shift, factors.n_below))
+        return factors
+
+    monkeypatch.setattr(share_runs, "factors_amid", noted)
+    found(np.cumsum(rng.exponential(size=SIZE)), 1, 400)
+    for (below, _, shift, n_below), (share, outlook, *_) in pairwise(laid[1:]):
+        assert outlook[1:3] == (shift, n_below)
+        assert share.first == 2 * n_below - below.first
+
+
 def test_a_basis_is_not_used_before_its_vectors_are_taken() -> None:
     runs = runs_of(np.arange(1.0, SIZE + 1), 2)
     for run, _ in runs.upwards(FOOT, 400):

@@ -107,4 +107,4 @@ def test_beside_a_cluster_wider_than_the_share_a_side_is_taken(monkeypatch) -> N
 def test_a_shift_is_placed_above_the_last_count_even_amid_what_lies_below_it() -> None:
     """A shift before has skipped a cluster, and most of this share with it."""
     outlook = Outlook(end=80, height=100.5, n_below=100, density=1.0)
-    assert factors_amid(one_to(1000), Share(80, 130), outlook).shift > 100.5
+    assert factors_amid(one_to(1000), Share(60, 130), outlook).shift > 100.5

@@ -74,6 +74,22 @@ def test_a_shift_that_hits_an_eigenvalue_is_moved() -> None:
     assert moved.n_below == 5
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_copies_beyond_a_runs_width_are_searched_for(threads) -> None:
+    """A block of four shows four copies of an eigenvalue, and what rounding adds, in a run."""
+    values = np.concatenate([np.arange(30.0), np.full(300, 30.0), np.arange(31.0, 1701.0)])
+    found = lowest_eigenpairs(
+        sparse.csc_array(sparse.diags_array(values)),
+        350,
+        density=1.0,
+        rng=np.random.default_rng(0),
+        workers=Workers(threads),
+    )
+    assert found.retries
+    assert len(found.values) == found.n_counted
+    np.testing.assert_allclose(found.values, values[: len(found.values)], atol=1e-9)
+
+
 def test_what_is_counted_but_not_found_is_an_error_not_a_gap(monkeypatch) -> None:
     """An iteration that loses copies (as ARPACK does) is noticed by the count."""
 
