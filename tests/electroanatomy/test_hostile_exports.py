@@ -78,6 +78,7 @@ DAMAGED = {
     "vertices beyond all": (MESH, r"(NumVertex +=) \d+", r"\1 99999999999", "more vertices"),
     "a negative number of triangles": (MESH, r"(NumTriangle +=) \d+", r"\1 -3", "'-3'"),
     "decimal commas": (MESH, r"^0 = (-?\d+)\.(\d+)", r"0 = \1,\2", "a comma is not a decimal"),
+    "a row of a control character": (MESH, r"^0 = .*$", "\x1e", "a word in its VerticesSection"),
     "a word for a number": (MESH, r"^0 = \S+", "0 = Smith", "a word in its VerticesSection"),
     "a triangle out of range": (MESH, r"^0 = \d+ (\d+ \d+ )", r"0 = 999 \1", "none of its 162"),
     "rows out of order": (MESH, r"^1 = ", "7 = ", "another way"),
@@ -92,6 +93,8 @@ DAMAGED = {
     "no gain": (SIGNALS, "gain", "loss", "no gain"),
     "a gain of nothing": (SIGNALS, "0.003000", "0.000000", "no size"),
     "samples of words": (SIGNALS, r"^-?\d+ ", "NN ", "a word in its electrograms"),
+    "a sample of a control character": (SIGNALS, r"^-?\d+ .*$", "\x1e",
+                                       "a word in its electrograms"),
     "a channel fewer": (SIGNALS, r"CS1-CS2\(\d\)", "", "names 2 channels|names 1 channels"),
 }  # fmt: skip
 

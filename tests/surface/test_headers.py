@@ -6,7 +6,7 @@ from typing import BinaryIO
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from auricle.errors import FormatError
@@ -22,7 +22,7 @@ from auricle.surface.formats.header import (
     unit_in,
 )
 from auricle.surface.formats.legacy_vtk import legacy_vtk_header
-from auricle.surface.formats.number_text import first_other_word, numbers_in
+from auricle.surface.formats.number_text import first_other_word, numbers_in, rows_of_numbers
 from auricle.surface.formats.obj import obj_header
 from auricle.surface.formats.off import off_header
 from auricle.surface.formats.ply import ply_header
@@ -140,6 +140,7 @@ def test_noise_in_a_file_costs_a_format_error_or_nothing(
         assert 0 < header.cells <= len(content)
 
 
+@example(places=[0, 62], noise=b"\x01\x1e\0\0\0\0", which=".dat")
 @given(
     places=st.lists(st.integers(0, 10_000), min_size=1, max_size=4),
     noise=st.binary(min_size=6, max_size=6),
@@ -218,3 +219,11 @@ def test_axes_and_units_are_found_among_other_words() -> None:
     assert space_in("AEROSPACE=LPS") == "unknown"
     assert unit_in("UNITS=a=b=mV") == {"a=b": "mV"}
     assert unit_in("made in UNITS") == {}
+
+
+@pytest.mark.parametrize("space", [b"\x1c", b"\x1e", b"\x1f", b"\x85", b"\xa0", b""])
+@pytest.mark.parametrize("around", [[], [b"1 2"], [b"1 2", b"3 4"]])
+def test_a_line_of_no_number_is_not_left_out(space: bytes, around: list[bytes]) -> None:
+    for place in range(len(around) + 1):
+        with pytest.raises(ValueError, match=r"hold numbers|no data"):
+            rows_of_numbers([*around[:place], space, *around[place:]], encoding="latin-1")

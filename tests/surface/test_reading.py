@@ -123,6 +123,24 @@ def test_opencarp_positions_come_in_mm_with_tags_and_their_own_fields(tmp_path: 
         assert "micrometres" in soup.remarks[0]
 
 
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("la.pts", PTS.replace(b"1000 0 0", b"\x1e")),
+        ("la.dat", b"1\n\x1e\n3\n"),
+        ("la.dat", b"\x1e\n\x1e\n\x1e\n"),
+    ],
+)
+def test_an_opencarp_line_of_a_control_character_is_refused(
+    name: str, content: bytes, tmp_path: Path
+) -> None:
+    files = {"la.pts": PTS, "la.elem": b"1\nTr 0 1 2 11\n", "la.dat": b"1\n2\n3\n", name: content}
+    for file, text in files.items():
+        (tmp_path / file).write_bytes(text)
+    with pytest.raises(FormatError, match=f"holds a line that is not . numbers in {name}"):
+        read_surface(tmp_path / "la.pts")
+
+
 def test_opencarp_elements_need_no_tags(tmp_path: Path) -> None:
     (tmp_path / "la.pts").write_bytes(PTS)
     (tmp_path / "la.elem").write_bytes(b"1\nTr 2 1 0\n")

@@ -1,7 +1,6 @@
 """Tables of numbers written as text, strict about what is a number."""
 
 import re
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from auricle.arrays import Floats
 from auricle.errors import FormatError
 from auricle.surface.formats.header import damaged, shown
-from auricle.surface.formats.number_text import first_other_word
+from auricle.surface.formats.number_text import first_other_word, rows_of_numbers
 
 LARGEST = 1e30
 """Of any size: nothing that is measured in a heart comes near it."""
@@ -29,8 +28,8 @@ def number_table(lines: Sequence[bytes], *, where: str, delimiter: str | None = 
     Raises
     ------
     FormatError
-        If a word is not a number, one is beyond `LARGEST`, or a line has more or fewer of them
-        than the first.
+        If a word is not a number, one is beyond `LARGEST`, or a line has none of them, or more or
+        fewer than the first.
 
     Examples
     --------
@@ -40,12 +39,8 @@ def number_table(lines: Sequence[bytes], *, where: str, delimiter: str | None = 
     if not lines:
         return np.empty((0, 0))
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            table: Floats = np.loadtxt(
-                lines, comments=None, delimiter=delimiter, ndmin=2, encoding="latin-1"
-            )
-    except (ValueError, DeprecationWarning) as fault:
+        table: Floats = rows_of_numbers(lines, encoding="latin-1", delimiter=delimiter)
+    except ValueError as fault:
         raise _fault(lines, where, delimiter) from fault
     if (np.abs(table) > LARGEST).any():
         raise damaged(f"holds a number beyond all bounds in {where}")

@@ -3,7 +3,6 @@
 Beside them lie fields, one number a node (``.dat``). Formats after the openCARP user's manual.
 """
 
-import warnings
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,6 +21,7 @@ from auricle.surface.formats.header import (
     shown,
     within_limits,
 )
+from auricle.surface.formats.number_text import rows_of_numbers
 from auricle.surface.soup import TriangleSoup
 
 MICROMETRES_PER_MM = 1000.0
@@ -41,8 +41,9 @@ def read_opencarp(path: Path) -> TriangleSoup:
         If the partner is missing, counts and lines disagree, an element is not a triangle, or a
         field has not one number a node.
     """
-    positions = _numbers(_records(_partner(path, ".pts")), columns=3)
-    faces, tags = _triangles(_records(_partner(path, ".elem")))
+    points, elements = _partner(path, ".pts"), _partner(path, ".elem")
+    positions = _numbers(_records(points), points.name, columns=3)
+    faces, tags = _triangles(_records(elements), elements.name)
     Header(len(positions), len(faces))
     return TriangleSoup(
         positions / MICROMETRES_PER_MM,
@@ -80,24 +81,22 @@ def _records(path: Path) -> list[bytes]:
     return lines
 
 
-def _numbers(lines: list[bytes], *, columns: int, dtype: type = np.float64) -> NDArray[Any]:
-    """Numbers of a table, shape (lines, columns)."""
+def _numbers(
+    lines: list[bytes], name: str, *, columns: int, dtype: type = np.float64
+) -> NDArray[Any]:
+    """Numbers of the table in a file of this name, shape (lines, columns)."""
     if not lines:
         return np.empty((0, columns), dtype)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            table: NDArray[Any] = np.loadtxt(
-                lines, dtype=dtype, comments=None, ndmin=2, encoding="ascii"
-            )
-    except (ValueError, DeprecationWarning) as fault:
-        raise damaged(f"holds a line that is not {columns} numbers ({fault})") from fault
+        table = rows_of_numbers(lines, encoding="ascii", dtype=dtype)
+    except ValueError as fault:
+        raise damaged(f"holds a line that is not {columns} numbers in {name} ({fault})") from fault
     if table.shape[1] != columns:
-        raise damaged(f"holds lines of {table.shape[1]} numbers, not {columns}")
+        raise damaged(f"holds lines of {table.shape[1]} numbers, not {columns}, in {name}")
     return table
 
 
-def _triangles(lines: list[bytes]) -> tuple[Faces, Integers | None]:
+def _triangles(lines: list[bytes], name: str) -> tuple[Faces, Integers | None]:
     """Vertex indices and, where the lines have them, tags."""
     kinds = Counter(line.split(None, 1)[0] for line in lines)
     triangles = kinds.pop(b"Tr", 0)
@@ -108,7 +107,7 @@ def _triangles(lines: list[bytes]) -> tuple[Faces, Integers | None]:
         )
     tagged = bool(triangles) and len(lines[0].split()) > 4
     rows = [line.split(None, 1)[-1] for line in lines]
-    table = _numbers(rows, columns=4 if tagged else 3, dtype=np.int64)
+    table = _numbers(rows, name, columns=4 if tagged else 3, dtype=np.int64)
     return table[:, :3], table[:, 3] if tagged else None
 
 
@@ -149,5 +148,5 @@ def _values(path: Path, nodes: int) -> Floats:
         lines = [line for line in file if line.strip()]
     if len(lines) != nodes:
         raise damaged(f"holds {len(lines):,} values in {path.name} for {nodes:,} nodes")
-    values: Floats = _numbers(lines, columns=1)[:, 0]
+    values: Floats = _numbers(lines, path.name, columns=1)[:, 0]
     return values
